@@ -1,0 +1,25 @@
+# All of these are Debian 12 packages; tools/packages.txt lists them and CONTRIBUTING.md says why each is here.
+find_package(MPI REQUIRED COMPONENTS CXX)
+find_package(PkgConfig REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
+
+set(HDF5_PREFER_PARALLEL ON)
+find_package(HDF5 REQUIRED COMPONENTS C)
+if(NOT HDF5_IS_PARALLEL)
+  message(FATAL_ERROR "nappe writes with parallel HDF5; the HDF5 found is serial. Install libhdf5-openmpi-dev.")
+endif()
+
+find_path(METIS_INCLUDE_DIR metis.h REQUIRED)
+find_library(METIS_LIBRARY metis REQUIRED)
+add_library(nappe_metis INTERFACE)
+target_include_directories(nappe_metis SYSTEM INTERFACE ${METIS_INCLUDE_DIR})
+target_link_libraries(nappe_metis INTERFACE ${METIS_LIBRARY})
+
+if(NAPPE_TESTS)
+  find_package(GTest REQUIRED)
+endif()

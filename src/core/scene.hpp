@@ -1,0 +1,156 @@
+#pragma once
+// The scene as the computation sees it: numbers in SI units, names resolved to indices, every rule already checked by
+// whoever filled it (io/scene_reader.hpp reads it from TOML; tests fill it by hand). docs/scene.md documents the keys.
+
+#include "core/types.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nappe {
+
+struct Material {
+    std::string name;
+    double density = 0; ///< [kg/m³] in the plane: mass per metre of depth; 0 for materials only walls are made of
+};
+
+/// Signorini–Coulomb with Newton restitution, for one unordered pair of materials.
+struct ContactLaw {
+    int material_a = 0;
+    int material_b = 0;
+    double friction = 0;    ///< mu
+    double restitution = 0; ///< e, in [0, 1]
+};
+
+struct RadiusLaw {
+    enum class Kind { uniform, constant };
+    Kind kind = Kind::uniform;
+    double min = 0; ///< [m]; constant: min == max
+    double max = 0; ///< [m]
+};
+
+/// Grains deposited inside a profile (core/deposit.hpp).
+template <int D>
+struct Sample {
+    int material = 0;
+    RadiusLaw radii;
+    std::vector<Vec<D>> profile; ///< closed polygon [m], either orientation, not self-crossing
+    std::vector<double> layer_tops; ///< heights [m], ascending: layer k (from 1) lies below layer_tops[k-1]; above all: n+1
+    std::uint64_t seed = 1;
+};
+
+/// A grain given one by one; these follow the sample's grains in the order of GlobalId.
+template <int D>
+struct SingleGrain {
+    int material = 0;
+    double radius = 0; ///< [m]
+    Vec<D> position = Vec<D>::Zero();
+    Vec<D> velocity = Vec<D>::Zero();
+    Eigen::Matrix<double, n_spin<D>, 1> spin = Eigen::Matrix<double, n_spin<D>, 1>::Zero(); ///< [rad/s]
+    int layer = 1;
+};
+
+/// Constant velocity from the start of a stage, or from a time on, until an optional end.
+template <int D>
+struct Motion {
+    Vec<D> velocity = Vec<D>::Zero(); ///< [m/s]
+    int stage = -1;    ///< index into Scene::stages; -1: `start` counts instead
+    double start = 0;  ///< [s] of loading time
+    std::optional<double> stop; ///< [s] of loading time
+};
+
+/// A rigid polyline; a grain may touch it from either side, its end points and its joints too. First point == last
+/// point closes it.
+template <int D>
+struct Wall {
+    std::string name;
+    int material = 0;
+    std::vector<Vec<D>> points; ///< at least 2 [m]
+    std::optional<Motion<D>> motion;
+};
+
+struct SolverSettings {
+    enum class Method { nsgs };
+    Method method = Method::nsgs;
+    double h = 0;       ///< step [s]
+    int substeps = 1;   ///< a step is integrated as this many of h / substeps, its sweeps divided among them (rounded up)
+    double theta = 0.5; ///< in [1/2, 1]
+    int sweeps = 100;   ///< fixed count, or the least when a tolerance is set
+    std::optional<double> tolerance; ///< on the residual (docs/notation.md), relative to V; checked every `check_every` sweeps
+    int max_sweeps = 1000;           ///< with a tolerance: then the step is accepted and counted as unconverged
+    int check_every = 10;            ///< sweeps between two checks of the tolerance
+};
+
+/// Ends a preparing stage: both hold at the end of a step.
+struct SettleCriterion {
+    double kinetic = 1e-8;  ///< kinetic energy over (total weight x mean radius)
+    double residual = 1e-4; ///< of the last step, relative to V
+    double at_most = 1000;  ///< [s]; not settled by then: NumericalFailure
+};
+
+/// Stages run in order. Those with `until` prepare the sample and come first; loading time is 0 when they end.
+struct Stage {
+    std::string name;
+    std::optional<SettleCriterion> until;
+    double duration = 0; ///< [s], if no `until`
+    SolverSettings solver; ///< the scene's, with this stage's own keys over it
+};
+
+template <int D>
+struct Cell {
+    std::string name;
+    Vec<D> centre = Vec<D>::Zero(); ///< [m]
+    double radius = 0;              ///< [m]
+};
+
+template <int D>
+struct Output {
+    int frames_every = 0; ///< steps of loading; 0: only the first and the last state
+    int series_every = 10; ///< steps of loading between two rows of the series
+    std::vector<Cell<D>> cells; ///< sets of grains inside the circle when loading starts; at most 64
+    double front_bin = 0;    ///< width of the bins of the free surface [m]; 0: four mean radii
+};
+
+struct TileSettings {
+    double side = 0;      ///< S [m]; 0: 16 r_max
+    double skin = 0;      ///< least distance two grains may approach before the next rebuild [m]; 0: 0.08 r_max
+    double lookahead = 6; ///< steps for which a moving grain's margin should last
+};
+
+struct BalanceSettings {
+    double threshold = 1.05; ///< largest over mean relaxations per rank, above which tiles move
+    int every = 200;         ///< steps between two looks
+};
+
+template <int D>
+struct Scene {
+    std::string title;
+    std::string text; ///< the scene as run: the file with overrides applied, as TOML
+    Vec<D> gravity = Vec<D>::Zero(); ///< [m/s²]
+    Vec<D> origin = Vec<D>::Zero();  ///< of the tile grid [m]
+    std::vector<Material> materials;
+    std::vector<ContactLaw> laws;
+    std::optional<Sample<D>> sample;
+    std::vector<SingleGrain<D>> grains;
+    std::vector<Wall<D>> walls;
+    std::vector<Stage> stages;
+    Output<D> output;
+    TileSettings tiles;
+    BalanceSettings balance;
+};
+
+/// The law between two materials, or nullptr if the scene has none.
+template <int D>
+const ContactLaw* find_law(const Scene<D>& scene, int material_a, int material_b) {
+    for (const auto& law : scene.laws) {
+        if ((law.material_a == material_a && law.material_b == material_b) ||
+            (law.material_a == material_b && law.material_b == material_a)) {
+            return &law;
+        }
+    }
+    return nullptr;
+}
+
+} // namespace nappe
