@@ -4,6 +4,8 @@
 
 #include "core/types.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -97,6 +99,11 @@ struct Stage {
     double duration = 0; ///< [s], if no `until`
     SolverSettings solver; ///< the scene's, with this stage's own keys over it
 };
+
+/// Steps of a stage with a duration: the whole number nearest to duration / h, at least 1.
+inline std::int64_t n_steps(const Stage& stage) {
+    return std::max<std::int64_t>(1, std::llround(stage.duration / stage.solver.h));
+}
 
 template <int D>
 struct Cell {

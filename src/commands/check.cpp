@@ -1,0 +1,167 @@
+#include "commands/check.hpp"
+
+#include "core/error.hpp"
+#include "io/progress.hpp"
+#include "io/scene_geometry.hpp"
+#include "io/scene_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <string_view>
+
+namespace nappe {
+
+namespace {
+
+// Measured on settled piles of disks of radii 0.42-0.56 m.
+constexpr double solid_fraction = 0.83;
+constexpr double contacts_per_grain = 2.1;
+constexpr double candidates_per_grain = 2.6;
+
+/// [m²]
+double mean_grain_area(const RadiusLaw& radii) {
+    const double a = radii.min;
+    const double b = radii.max;
+    return std::numbers::pi * (a * a + a * b + b * b) / 3; // mean of r² for r uniform in [a, b]
+}
+
+double sweeps_per_step(const SolverSettings& solver) {
+    return static_cast<double>(solver.substeps) * std::ceil(static_cast<double>(solver.sweeps) / solver.substeps);
+}
+
+std::string bytes_text(double bytes) {
+    constexpr std::array<std::string_view, 5> units = {"B", "kB", "MB", "GB", "TB"};
+    std::size_t unit = 0;
+    while (bytes >= 1000 && unit + 1 < units.size()) {
+        bytes /= 1000;
+        ++unit;
+    }
+    return fmt::format("{:.3g} {}", bytes, units[unit]);
+}
+
+std::string solver_text(const SolverSettings& solver) {
+    auto text = fmt::format("h {} s, theta {}, ", solver.h, solver.theta);
+    if (solver.substeps > 1) {
+        text += fmt::format("{} substeps, ", solver.substeps);
+    }
+    if (solver.tolerance) {
+        return text + fmt::format("{} to {} sweeps, residual {}", solver.sweeps, solver.max_sweeps, *solver.tolerance);
+    }
+    return text + fmt::format("{} sweeps", solver.sweeps);
+}
+
+std::string stage_text(const Stage& stage) {
+    if (stage.until) {
+        return fmt::format("until kinetic {} and residual {}, at most {} s ({} steps)", stage.until->kinetic,
+                           stage.until->residual, stage.until->at_most,
+                           std::llround(stage.until->at_most / stage.solver.h));
+    }
+    return fmt::format("{} s, {} steps", stage.duration, n_steps(stage));
+}
+
+std::string wall_text(const Scene<2>& scene, const Wall<2>& wall) {
+    const auto& material = scene.materials[static_cast<std::size_t>(wall.material)].name;
+    auto text = fmt::format("{} points of {}", wall.points.size(), material);
+    if (!wall.motion) {
+        return text + ", fixed";
+    }
+    const auto& motion = *wall.motion;
+    text += fmt::format(", moves at [{}, {}] m/s from ", motion.velocity[0], motion.velocity[1]);
+    text += motion.stage >= 0 ? "stage " + scene.stages[static_cast<std::size_t>(motion.stage)].name
+                              : fmt::format("{} s", motion.start);
+    return motion.stop ? text + fmt::format(" to {} s", *motion.stop) : text;
+}
+
+void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::string> out) {
+    fmt::format_to(out, "dimension  2, gravity [{}, {}] m/s²\n", scene.gravity[0], scene.gravity[1]);
+    if (scene.sample) {
+        const auto& sample = *scene.sample;
+        fmt::format_to(out, "sample     {:.6g} m² of {}, radii {} to {} m, {} layers, seed {}\n",
+                       scene_file::area(sample.profile),
+                       scene.materials[static_cast<std::size_t>(sample.material)].name, sample.radii.min,
+                       sample.radii.max, sample.layer_tops.size() + 1, sample.seed);
+    }
+    if (!scene.grains.empty()) {
+        fmt::format_to(out, "grains     {} given one by one\n", scene.grains.size());
+    }
+    for (const auto& wall : scene.walls) {
+        fmt::format_to(out, "wall       {}: {}\n", wall.name, wall_text(scene, wall));
+    }
+    for (const auto& law : scene.laws) {
+        fmt::format_to(out, "law        {} - {}: frictional, friction {}, restitution {}\n",
+                       scene.materials[static_cast<std::size_t>(law.material_a)].name,
+                       scene.materials[static_cast<std::size_t>(law.material_b)].name, law.friction, law.restitution);
+    }
+    for (const auto& stage : scene.stages) {
+        fmt::format_to(out, "stage      {}: {}; {}\n", stage.name, stage_text(stage), solver_text(stage.solver));
+    }
+    if (!scene.output.cells.empty()) {
+        fmt::format_to(out, "cells      {}\n", scene.output.cells.size());
+    }
+}
+
+} // namespace
+
+Estimate estimate(const Scene<2>& scene, const CostModel& cost) {
+    Estimate e;
+    if (scene.sample) {
+        e.grains = scene_file::area(scene.sample->profile) * solid_fraction / mean_grain_area(scene.sample->radii);
+    }
+    e.grains += static_cast<double>(scene.grains.size());
+    e.contacts = contacts_per_grain * e.grains;
+    e.candidates = candidates_per_grain * e.grains;
+    e.memory = cost.bytes_per_grain * e.grains + cost.bytes_per_contact * e.candidates;
+    for (const auto& stage : scene.stages) {
+        if (!stage.until) {
+            const auto steps = static_cast<double>(n_steps(stage));
+            e.loading_steps += steps;
+            e.relaxations += e.contacts * steps * sweeps_per_step(stage.solver);
+        }
+    }
+    e.seconds = 1e-9 * cost.ns_per_relaxation * e.relaxations;
+    // The first state, one every so many steps, and the last if it is not one of those.
+    const double between = scene.output.frames_every > 0 ? scene.output.frames_every : std::max(1.0, e.loading_steps);
+    e.frames = 1 + std::ceil(e.loading_steps / between);
+    e.disk = e.frames * (cost.frame_bytes_per_grain * e.grains + cost.frame_bytes_per_contact * e.contacts);
+    return e;
+}
+
+std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks) {
+    const Estimate e = estimate(scene, cost);
+    std::string text;
+    auto out = std::back_inserter(text);
+    fmt::format_to(out, "{}\n", scene.title.empty() ? "(no title)" : scene.title);
+    describe_contents(scene, out);
+    fmt::format_to(out, "\nestimates, without the stages that settle\n");
+    fmt::format_to(out, "grains     {:.0f}{}\n", e.grains,
+                   scene.sample ? fmt::format(" (solid fraction {})", solid_fraction) : "");
+    fmt::format_to(out, "contacts   {:.0f} that touch, {:.0f} candidates\n", e.contacts, e.candidates);
+    fmt::format_to(out, "memory     {} in all, {} a rank on {}\n", bytes_text(e.memory), bytes_text(e.memory / ranks),
+                   ranks);
+    fmt::format_to(out, "work       {:.3g} relaxations in {:.0f} steps\n", e.relaxations, e.loading_steps);
+    fmt::format_to(out, "time       {} on 1 rank, {} on {} at {} ns per relaxation and rank\n",
+                   format_duration(e.seconds), format_duration(e.seconds / ranks), ranks, cost.ns_per_relaxation);
+    fmt::format_to(out, "frames     {:.0f}, {}\n", e.frames, bytes_text(e.disk));
+    return text;
+}
+
+int check(const std::string& path, const std::vector<std::string>& overrides, const CostModel& cost, int ranks) {
+    if (!(std::isfinite(cost.ns_per_relaxation) && cost.ns_per_relaxation > 0)) {
+        throw InputError(
+            fmt::format("--ns: must be > 0, found {}; give the nanoseconds of one relaxation", cost.ns_per_relaxation));
+    }
+    if (ranks < 1) {
+        throw InputError(
+            fmt::format("--ranks: must be >= 1, found {}; give the number of ranks to estimate for", ranks));
+    }
+    const auto scene = read_scene(path, overrides);
+    fmt::print("{}: sound\n{}", path, describe(scene, cost, ranks));
+    return static_cast<int>(ExitCode::done);
+}
+
+} // namespace nappe

@@ -1,0 +1,147 @@
+// What happens to a scene and how it is computed and shown: stages, solver, tiles, balance, output.
+#include "io/scene_sections.hpp"
+
+#include <fmt/format.h>
+
+namespace nappe::scene_file {
+
+namespace {
+
+/// Keys of a solver table over the settings given.
+void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed) {
+    std::string method;
+    if (table.read("method", method, "write \"nsgs\"") && method != "nsgs") {
+        table.problem("method", "must be \"nsgs\"", "no other solver is built");
+    }
+    table.read("h", solver.h, positive("s", "give the time step in seconds"), step_needed);
+    table.read("theta", solver.theta, between(0.5, 1, "", "0.5 keeps energy, 1 damps most"));
+    table.read("sweeps", solver.sweeps, {1, "give the sweeps of a step; with a tolerance, the least"});
+    table.read("tolerance", solver.tolerance, positive("", "give the residual at which sweeps may end"));
+    table.read("max_sweeps", solver.max_sweeps, {1, "give the most sweeps of a step"});
+    table.read("check_every", solver.check_every, {1, "give the sweeps between two looks at the residual"});
+    table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
+    if (solver.tolerance && solver.max_sweeps < solver.sweeps) {
+        table.problem(
+            table.has("max_sweeps") || !table.has("sweeps") ? "max_sweeps" : "sweeps",
+            fmt::format("max_sweeps ({}) must be >= sweeps ({}) with a tolerance", solver.max_sweeps, solver.sweeps),
+            "raise max_sweeps or lower sweeps");
+    }
+}
+
+/// The two knobs of the tolerance do nothing without one: no knob is silently ignored.
+void refuse_idle_keys(const TableReader& table, bool has_tolerance) {
+    for (const auto* key : {"max_sweeps", "check_every"}) {
+        if (table.has(key) && !has_tolerance) {
+            table.problem(key, "must be absent without a tolerance",
+                          "add tolerance, or remove this key: it has no effect");
+        }
+    }
+}
+
+void read_end(const TableReader& table, Stage& stage, bool loading_before) {
+    if (table.has("until") == table.has("duration")) {
+        table.problem(table.has("until") ? "duration" : "until", "must be either a criterion or a duration",
+                      "give exactly one of until and duration");
+        return;
+    }
+    table.read("duration", stage.duration, positive("s", "give the duration in seconds"));
+    const auto until = table.table("until", "stages.until", "write { kinetic = 1e-8, residual = 1e-4 }");
+    if (!until) {
+        return;
+    }
+    SettleCriterion criterion;
+    until->read("kinetic", criterion.kinetic, positive("", "kinetic energy over weight times mean radius"));
+    until->read("residual", criterion.residual, positive("", "give the residual of the step, relative"));
+    until->read("at_most", criterion.at_most, positive("s", "give the time after which settling is given up"));
+    stage.until = criterion;
+    if (loading_before) {
+        table.problem("until", "must come before every stage with a duration",
+                      "preparing stages come first; move this one up");
+    }
+}
+
+void read_cells(const TableReader& output, Output<2>& target) {
+    const auto cells =
+        output.tables("cells", "output.cells", "write [{ name = \"W1\", centre = [25, 11], radius = 5 }]");
+    if (cells.size() > 64) {
+        output.problem("cells", "must be at most 64", "a grain keeps its cells in 64 bits; split the run");
+        return;
+    }
+    std::vector<std::string> names;
+    for (const auto& table : cells) {
+        Cell<2> cell;
+        cell.name = read_name(table, names, "cell");
+        table.read("centre", cell.centre, any_real("m", "give the centre as [x, y]"), Need::required);
+        table.read("radius", cell.radius, positive("m", "give the radius in metres"), Need::required);
+        names.push_back(cell.name);
+        target.cells.push_back(cell);
+    }
+}
+
+} // namespace
+
+void read_stages(const TableReader& top, Scene<2>& scene) {
+    SolverSettings base;
+    const auto solver = top.table("solver", "[solver]", "write [solver] with at least h", Need::required);
+    if (solver) {
+        read_solver_keys(*solver, base, Need::required);
+    }
+    const auto stages = top.tables("stages", "[[stages]]", "write [[stages]]");
+    if (stages.empty() && (!top.has("stages") || top.find("stages")->is_array())) {
+        top.problem("stages", "must hold at least one stage", "write [[stages]] with a name and a duration or until");
+    }
+    std::vector<std::string> names;
+    bool loading = false;
+    bool any_tolerance = base.tolerance.has_value();
+    for (const auto& table : stages) {
+        Stage stage;
+        stage.name = read_name(table, names, "stage");
+        names.push_back(stage.name);
+        read_end(table, stage, loading);
+        loading = loading || !stage.until;
+        stage.solver = base;
+        if (const auto own = table.table("solver", "[solver]", "write solver = { h = 0.01 }")) {
+            read_solver_keys(*own, stage.solver, Need::optional);
+            refuse_idle_keys(*own, stage.solver.tolerance.has_value());
+        }
+        any_tolerance = any_tolerance || stage.solver.tolerance;
+        scene.stages.push_back(stage);
+    }
+    if (solver) {
+        refuse_idle_keys(*solver, any_tolerance);
+    }
+}
+
+void read_tiles(const TableReader& top, Scene<2>& scene) {
+    if (const auto table = top.table("tiles", "[tiles]", "write [tiles]")) {
+        table->read("side", scene.tiles.side, positive("m", "leave it out for 16 largest radii"));
+        table->read("skin", scene.tiles.skin, positive("m", "leave it out for 0.08 largest radii"));
+        table->read("lookahead", scene.tiles.lookahead, not_negative("", "give it in steps"));
+    }
+}
+
+void read_balance(const TableReader& top, Scene<2>& scene) {
+    if (const auto table = top.table("balance", "[balance]", "write [balance]")) {
+        table->read("threshold", scene.balance.threshold,
+                    {1, no_limit, false, "", "largest over mean work per rank; 1.05 is usual"});
+        table->read("every", scene.balance.every, {1, "give it in steps"});
+    }
+}
+
+void read_output(const TableReader& top, Scene<2>& scene) {
+    const auto table = top.table("output", "[output]", "write [output]");
+    if (!table) {
+        return;
+    }
+    if (const auto frames = table->table("frames", "output.frames", "write { every = 250 }")) {
+        frames->read("every", scene.output.frames_every, {0, "give it in steps; 0: only the first and the last state"},
+                     Need::required);
+    }
+    if (const auto series = table->table("series", "output.series", "write { every = 20 }")) {
+        series->read("every", scene.output.series_every, {1, "give it in steps"}, Need::required);
+    }
+    read_cells(*table, scene.output);
+    table->read("front_bin", scene.output.front_bin, positive("m", "leave it out for four mean radii"));
+}
+
+} // namespace nappe::scene_file

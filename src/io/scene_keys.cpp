@@ -1,0 +1,89 @@
+#include "io/scene_keys.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+
+namespace nappe::scene_file {
+
+const std::vector<TableKeys>& all_keys() {
+    static const std::vector<TableKeys> keys = {
+        {"top level",
+         {"title", "world", "materials", "laws", "sample", "grains", "walls", "stages", "solver", "tiles", "balance",
+          "output"}},
+        {"[world]", {"dimension", "gravity", "origin"}},
+        {"[materials.NAME]", {"density"}},
+        {"[[laws]]", {"between", "type", "friction", "restitution"}},
+        {"[sample]", {"material", "radius", "profile", "layers", "seed"}},
+        {"sample.radius", {"law", "min", "max", "value"}},
+        {"sample.layers", {"count", "from", "to"}},
+        {"[[grains]]", {"material", "radius", "position", "velocity", "spin", "layer"}},
+        {"[[walls]]", {"name", "points", "material", "motion"}},
+        {"walls.motion", {"stage", "start", "velocity", "stop"}},
+        {"[[stages]]", {"name", "until", "duration", "solver"}},
+        {"stages.until", {"kinetic", "residual", "at_most"}},
+        {"[solver]", {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps"}},
+        {"[tiles]", {"side", "skin", "lookahead"}},
+        {"[balance]", {"threshold", "every"}},
+        {"[output]", {"frames", "series", "cells", "front_bin"}},
+        {"output.frames", {"every"}},
+        {"output.series", {"every"}},
+        {"output.cells", {"name", "centre", "radius"}},
+    };
+    return keys;
+}
+
+const TableKeys& keys_of(std::string_view table) {
+    for (const auto& entry : all_keys()) {
+        if (entry.table == table) {
+            return entry;
+        }
+    }
+    throw std::logic_error("no such table in scene_keys.cpp: " + std::string(table));
+}
+
+namespace {
+
+/// Insertions, deletions and replacements that turn one word into the other.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+        row[j] = j;
+    }
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+} // namespace
+
+std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& candidates) {
+    std::optional<std::string> best;
+    // A third of the letters wrong is still a typo; more is another word.
+    std::size_t limit = std::max<std::size_t>(1, word.size() / 3) + 1;
+    for (const auto& candidate : candidates) {
+        const std::size_t distance = edit_distance(word, candidate);
+        if (distance < limit && distance < candidate.size()) {
+            best = candidate;
+            limit = distance;
+        }
+    }
+    return best;
+}
+
+std::string listed(const std::vector<std::string>& words) {
+    std::string text;
+    for (const auto& word : words) {
+        text += (text.empty() ? "" : ", ") + word;
+    }
+    return text;
+}
+
+} // namespace nappe::scene_file

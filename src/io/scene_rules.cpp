@@ -1,0 +1,261 @@
+#include "io/scene_rules.hpp"
+
+#include "io/scene_geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace nappe::scene_file {
+
+namespace {
+
+/// Smallest and largest radius of the scene [m].
+struct Radii {
+    double min = no_limit;
+    double max = 0;
+};
+
+Radii radii_of(const Scene<2>& scene) {
+    Radii radii;
+    if (scene.sample) {
+        radii = {scene.sample->radii.min, scene.sample->radii.max};
+    }
+    for (const auto& grain : scene.grains) {
+        radii = {std::min(radii.min, grain.radius), std::max(radii.max, grain.radius)};
+    }
+    return radii;
+}
+
+std::string shown(const Vec<2>& p) {
+    return fmt::format("[{}, {}]", p[0], p[1]);
+}
+
+const Material& material(const Scene<2>& scene, int index) {
+    return scene.materials[static_cast<std::size_t>(index)];
+}
+
+/// Grains weigh something, and every pair of materials that can meet has a law.
+void check_materials(const Scene<2>& scene, Problems& problems) {
+    std::set<int> of_grains;
+    std::set<int> of_walls;
+    if (scene.sample) {
+        of_grains.insert(scene.sample->material);
+    }
+    for (const auto& grain : scene.grains) {
+        of_grains.insert(grain.material);
+    }
+    for (const auto& wall : scene.walls) {
+        of_walls.insert(wall.material);
+    }
+    for (const int grain : of_grains) {
+        const auto& name = material(scene, grain).name;
+        if (material(scene, grain).density == 0) {
+            problems.add(fmt::format("materials.{}.density", name),
+                         "must be > 0 [kg/m³] where grains are made of the material, found nothing; give the density");
+        }
+        auto partners = of_walls;
+        partners.insert(of_grains.lower_bound(grain), of_grains.end());
+        for (const int partner : partners) {
+            if (find_law(scene, grain, partner) == nullptr) {
+                const auto& other = material(scene, partner).name;
+                problems.add("laws", fmt::format("must cover every pair of materials that can meet, found none between "
+                                                 "\"{0}\" and \"{1}\"; add [[laws]] with between = [\"{0}\", \"{1}\"]",
+                                                 name, other));
+            }
+        }
+    }
+}
+
+void check_wall_points(const Scene<2>& scene, Problems& problems) {
+    for (const auto& wall : scene.walls) {
+        const auto path = fmt::format("walls.{}.points", wall.name);
+        if (wall.points.size() < 2) {
+            problems.add(path,
+                         fmt::format("must be at least 2 points, found {}; a wall is a line", wall.points.size()));
+        }
+        for (std::size_t k = 1; k < wall.points.size(); ++k) {
+            if (wall.points[k] == wall.points[k - 1]) {
+                problems.add(fmt::format("{}.{}", path, k),
+                             fmt::format("must differ from the point before it, found {} twice; remove one",
+                                         shown(wall.points[k])));
+            }
+        }
+    }
+}
+
+/// True if the profile is a sound polygon that has room for a grain.
+bool check_profile(const Sample<2>& sample, Problems& problems) {
+    const auto& profile = sample.profile;
+    const std::string path = "sample.profile";
+    if (profile.size() < 3) {
+        problems.add(path, fmt::format("must be at least 3 points, found {}; give the corners of the sample in order",
+                                       profile.size()));
+        return false;
+    }
+    for (std::size_t k = 0; k < profile.size(); ++k) {
+        const std::size_t before = k > 0 ? k - 1 : profile.size() - 1;
+        if (profile[k] == profile[before]) {
+            problems.add(
+                fmt::format("{}.{}", path, k),
+                fmt::format("must differ from the point before it, found {} twice; remove one (the polygon closes "
+                            "by itself)",
+                            shown(profile[k])));
+            return false;
+        }
+    }
+    // Relative to the box: round-off must not make an area of a line.
+    Vec<2> low = profile[0];
+    Vec<2> high = profile[0];
+    for (const auto& p : profile) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+    }
+    if (!(area(profile) > 1e-12 * (high - low).squaredNorm())) {
+        problems.add(path, fmt::format("must enclose an area > 0 [m²], found {}; check the corners", area(profile)));
+        return false;
+    }
+    if (const auto edges = crossing_edges(profile)) {
+        problems.add(
+            fmt::format("{}.{}", path, edges->second),
+            fmt::format("must not cross or touch itself, found edges {} and {} (from 0) meeting; give the corners in "
+                        "order around the sample",
+                        edges->first, edges->second));
+        return false;
+    }
+    if (!holds_circle(profile, sample.radii.max)) {
+        problems.add(path, fmt::format("must have room for a grain of the largest radius, {} [m], found it too narrow "
+                                       "everywhere (area {} m²); widen it or use smaller grains",
+                                       sample.radii.max, area(profile)));
+        return false;
+    }
+    return true;
+}
+
+/// The deposit fills the profile and knows nothing of walls or other grains: nothing may be in its way.
+void check_profile_is_free(const Scene<2>& scene, Problems& problems) {
+    const auto& sample = *scene.sample;
+    const double tolerance = 1e-6 * sample.radii.min;
+    for (const auto& wall : scene.walls) {
+        for (std::size_t k = 1; k < wall.points.size(); ++k) {
+            const double reached = depth_of_segment(sample.profile, wall.points[k - 1], wall.points[k]);
+            if (reached > tolerance) {
+                problems.add(
+                    fmt::format("walls.{}.points.{}", wall.name, k - 1),
+                    fmt::format("must stay out of sample.profile, found the segment from {} to {} at least {:.3g} m "
+                                "inside; move the wall, or cut it out of the profile",
+                                shown(wall.points[k - 1]), shown(wall.points[k]), reached));
+                break;
+            }
+        }
+    }
+    for (std::size_t i = 0; i < scene.grains.size(); ++i) {
+        const auto& grain = scene.grains[i];
+        if (depth(sample.profile, grain.position) > tolerance - grain.radius) {
+            problems.add(fmt::format("grains.{}.position", i),
+                         fmt::format("must keep the grain out of sample.profile, found {} with radius {} [m]; move it",
+                                     shown(grain.position), grain.radius));
+        }
+    }
+}
+
+/// Two grains, or a grain and a wall, whose contact normal would have no meaning. Smaller overlaps are the user's.
+void check_single_grains(const Scene<2>& scene, Problems& problems) {
+    std::vector<std::size_t> by_x(scene.grains.size());
+    std::iota(by_x.begin(), by_x.end(), std::size_t{0});
+    std::sort(by_x.begin(), by_x.end(),
+              [&](std::size_t a, std::size_t b) { return scene.grains[a].position[0] < scene.grains[b].position[0]; });
+    const double largest = radii_of(scene).max;
+    for (std::size_t k = 0; k < by_x.size(); ++k) {
+        const auto& a = scene.grains[by_x[k]];
+        for (std::size_t l = k + 1; l < by_x.size(); ++l) {
+            const auto& b = scene.grains[by_x[l]];
+            if (b.position[0] - a.position[0] > largest) {
+                break;
+            }
+            if ((b.position - a.position).norm() < std::max(a.radius, b.radius)) {
+                const auto [first, second] = std::minmax(by_x[k], by_x[l]);
+                problems.add(
+                    fmt::format("grains.{}.position", second),
+                    fmt::format("must lie outside the other grains, found its centre or that of grain {} (from 0) "
+                                "inside the other; move one of them",
+                                first));
+            }
+        }
+        for (const auto& wall : scene.walls) {
+            for (std::size_t p = 1; p < wall.points.size(); ++p) {
+                const double distance = distance_to_segment(a.position, wall.points[p - 1], wall.points[p]);
+                if (distance < a.radius / 2) {
+                    problems.add(
+                        fmt::format("grains.{}.position", by_x[k]),
+                        fmt::format(
+                            "must be at least half a radius ({} m) from every wall, found {:.3g} m from \"{}\"; "
+                            "move the grain or the wall",
+                            a.radius / 2, distance, wall.name));
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// A tile touches no grain of another tile of its colour only if it is wider than twice the reach (docs/architecture.md).
+void check_tiles(const Scene<2>& scene, const Radii& radii, Problems& problems) {
+    const double side = scene.tiles.side > 0 ? scene.tiles.side : 16 * radii.max;
+    const double skin = scene.tiles.skin > 0 ? scene.tiles.skin : 0.08 * radii.max;
+    const double least = 2 * (2 * radii.max + skin);
+    if (!(side > least)) {
+        problems.add(
+            scene.tiles.side > 0 ? "tiles.side" : "tiles.skin",
+            fmt::format("side must be > 2 (2 r_max + skin) = {:.6g} [m], found side {:.6g} with skin {:.6g} and "
+                        "r_max {:.6g}; give a wider side or a smaller skin",
+                        least, side, skin, radii.max));
+    }
+}
+
+/// Beyond 1e7 radii a double places a grain no better than 1e-9 of its radius, the deposit's own accuracy.
+void check_extent(const Scene<2>& scene, const Radii& radii, Problems& problems) {
+    const double limit = 1e7 * radii.min;
+    const auto check = [&](const std::string& path, const Vec<2>& p) {
+        if (p.cwiseAbs().maxCoeff() > limit) {
+            problems.add(
+                path, fmt::format("must lie within 1e7 smallest radii ({:.6g} m) of [0, 0], found {}; shift the scene",
+                                  limit, shown(p)));
+        }
+    };
+    check("world.origin", scene.origin);
+    for (std::size_t k = 0; scene.sample && k < scene.sample->profile.size(); ++k) {
+        check(fmt::format("sample.profile.{}", k), scene.sample->profile[k]);
+    }
+    for (std::size_t i = 0; i < scene.grains.size(); ++i) {
+        check(fmt::format("grains.{}.position", i), scene.grains[i].position);
+    }
+    for (const auto& wall : scene.walls) {
+        for (std::size_t k = 0; k < wall.points.size(); ++k) {
+            check(fmt::format("walls.{}.points.{}", wall.name, k), wall.points[k]);
+        }
+    }
+}
+
+} // namespace
+
+void check_rules(const Scene<2>& scene, Problems& problems) {
+    if (!scene.sample && scene.grains.empty()) {
+        problems.add("sample", "a scene must have grains, found neither [sample] nor [[grains]]; add one of them");
+        return;
+    }
+    const Radii radii = radii_of(scene);
+    check_materials(scene, problems);
+    check_wall_points(scene, problems);
+    check_tiles(scene, radii, problems);
+    check_extent(scene, radii, problems);
+    if (scene.sample && check_profile(*scene.sample, problems)) {
+        check_profile_is_free(scene, problems);
+    }
+    check_single_grains(scene, problems);
+}
+
+} // namespace nappe::scene_file

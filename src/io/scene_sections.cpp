@@ -1,0 +1,68 @@
+#include "io/scene_sections.hpp"
+
+#include "io/scene_path.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace nappe::scene_file {
+
+namespace {
+
+/// False if the rest can not be read as a scene in the plane.
+bool read_world(const TableReader& top, Scene<2>& scene) {
+    const auto world = top.table("world", "[world]", "write [world]");
+    if (!world) {
+        return true;
+    }
+    int dimension = 2;
+    const bool plane =
+        world->read("dimension", dimension, {2, "only scenes in the plane are built; leave it out or write 2", 2});
+    if (!plane && world->has("dimension")) {
+        return false;
+    }
+    world->read("gravity", scene.gravity, any_real("m/s²", "give [0, -9.81] for the Earth's"));
+    world->read("origin", scene.origin, any_real("m", "give the corner that tiles are counted from"));
+    return true;
+}
+
+} // namespace
+
+std::string read_name(const TableReader& element, const std::vector<std::string>& taken, std::string_view kind) {
+    std::string name;
+    const auto remedy = fmt::format("name the {}: files and --set use the name", kind);
+    if (!element.read("name", name, remedy, Need::required)) {
+        return "";
+    }
+    if (!is_name(name)) {
+        element.problem("name", "must be 1 to 64 letters, digits, _ or -", "files are named after it");
+        return "";
+    }
+    if (std::find(taken.begin(), taken.end(), name) != taken.end()) {
+        element.problem("name", fmt::format("must be the only {} of that name", kind), "rename one of them");
+        return "";
+    }
+    return name;
+}
+
+Scene<2> read_sections(const toml::table& root, Problems& problems) {
+    Scene<2> scene;
+    const TableReader top(root, "", "top level", problems);
+    top.read("title", scene.title, "one line for pictures and logs");
+    if (!read_world(top, scene)) {
+        return scene;
+    }
+    read_materials(top, scene);
+    read_laws(top, scene);
+    read_sample(top, scene);
+    read_grains(top, scene);
+    read_stages(top, scene);
+    read_walls(top, scene);
+    read_tiles(top, scene);
+    read_balance(top, scene);
+    read_output(top, scene);
+    return scene;
+}
+
+} // namespace nappe::scene_file

@@ -1,0 +1,118 @@
+#pragma once
+// One TOML table of a scene, read key by key. Every access checks type and range; whatever is wrong is collected, so that
+// one run of `nappe check` shows all independent errors. Internal to src/io.
+
+#include "core/types.hpp"
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace nappe::scene_file {
+
+/// What is wrong with a scene: place, key, rule, value found, remedy. Every member is Local.
+class Problems {
+public:
+    /// Both must outlive the object.
+    Problems(const toml::table& root, std::string_view file) : root_(root), file_(file) {}
+
+    /// At the key, or where its closest existing parent starts. `text` holds rule, value found and remedy.
+    void add(const std::string& path, const std::string& text);
+    /// At a node; `path` is shown only.
+    void add_at(const toml::node& node, const std::string& path, const std::string& text);
+
+    bool empty() const { return problems_.empty(); }
+    /// Throws InputError with one problem a line, in the order of the file.
+    void throw_if_any() const;
+
+private:
+    struct Problem {
+        unsigned line = 0;
+        std::string text;
+    };
+    const toml::table& root_;
+    std::string_view file_;
+    std::vector<Problem> problems_;
+};
+
+inline constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// The values that a real number may take. Never infinite, never NaN.
+struct RealRule {
+    double min = -no_limit;
+    double max = no_limit;
+    bool above_min = false; ///< min itself is excluded
+    std::string_view unit;  ///< "m"; "" for a pure number
+    std::string_view remedy;
+};
+/// > 0
+constexpr RealRule positive(std::string_view unit, std::string_view remedy) {
+    return {0, no_limit, true, unit, remedy};
+}
+/// >= 0
+constexpr RealRule not_negative(std::string_view unit, std::string_view remedy) {
+    return {0, no_limit, false, unit, remedy};
+}
+constexpr RealRule between(double min, double max, std::string_view unit, std::string_view remedy) {
+    return {min, max, false, unit, remedy};
+}
+constexpr RealRule any_real(std::string_view unit, std::string_view remedy) {
+    return {-no_limit, no_limit, false, unit, remedy};
+}
+
+struct IntegerRule {
+    std::int64_t min = 0;
+    std::string_view remedy;
+    std::int64_t max = std::numeric_limits<int>::max();
+};
+
+enum class Need { optional, required };
+
+/// Reads the keys of one table. `read` assigns its target and returns true if the key is there and good; a wrong value,
+/// or a required key that is absent, is added to the problems and the target is left alone. Every member is Local.
+class TableReader {
+public:
+    /// Reports every key of the table that `keys_of(known_as)` does not list. `path` is "" for the file itself.
+    TableReader(const toml::table& table, std::string path, std::string_view known_as, Problems& problems);
+
+    bool read(std::string_view key, double& target, const RealRule& rule, Need need = Need::optional) const;
+    bool read(std::string_view key, std::optional<double>& target, const RealRule& rule) const;
+    bool read(std::string_view key, int& target, const IntegerRule& rule, Need need = Need::optional) const;
+    bool read(std::string_view key, std::int64_t& target, const IntegerRule& rule, Need need = Need::optional) const;
+    bool read(std::string_view key, std::string& target, std::string_view remedy, Need need = Need::optional) const;
+    bool read(std::string_view key, Vec<2>& target, const RealRule& rule, Need need = Need::optional) const;
+    bool read(std::string_view key, std::vector<double>& target, const RealRule& rule) const;
+    bool read(std::string_view key, std::vector<Vec<2>>& target, const RealRule& rule, Need need) const;
+
+    /// A table below this one; none if absent or not a table.
+    std::optional<TableReader> table(std::string_view key, std::string_view known_as, std::string_view remedy,
+                                     Need need = Need::optional) const;
+    /// An array of tables below this one; empty if absent or of another type.
+    std::vector<TableReader> tables(std::string_view key, std::string_view known_as, std::string_view remedy) const;
+    /// [key.NAME]: tables below this one whose keys are free names.
+    std::vector<std::pair<std::string, TableReader>> named_tables(std::string_view key, std::string_view known_as,
+                                                                  std::string_view remedy) const;
+
+    bool has(std::string_view key) const { return find(key) != nullptr; }
+    const toml::node* find(std::string_view key) const { return table_->get(key); }
+    const std::string& path() const { return path_; }
+    /// "KEY: RULE, found VALUE; REMEDY" at the key (may be dotted, as in between.1), or "found nothing" at the table.
+    void problem(std::string_view key, std::string_view rule, std::string_view remedy) const;
+
+private:
+    bool absent(std::string_view key, std::string_view rule, std::string_view remedy, Need need) const;
+    bool check_real(const toml::node& node, const std::string& path, double& target, const RealRule& rule) const;
+    bool check_vector(const toml::node& node, const std::string& path, Vec<2>& target, const RealRule& rule) const;
+
+    const toml::table* table_;
+    std::string path_;
+    Problems* problems_;
+};
+
+} // namespace nappe::scene_file
