@@ -67,6 +67,10 @@ std::int64_t Communicator::max(std::int64_t value) const {
     return value;
 }
 
+void Communicator::max(std::span<double> values) const {
+    MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, handle_);
+}
+
 std::uint32_t Communicator::bit_or(std::uint32_t flags) const {
     MPI_Allreduce(MPI_IN_PLACE, &flags, 1, MPI_UINT32_T, MPI_BOR, handle_);
     return flags;

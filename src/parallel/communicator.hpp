@@ -45,6 +45,7 @@ public:
     void sum(std::span<std::int64_t> values) const;        ///< in place, element by element
     double max(double value) const;                        ///< of numbers: NaN must have been flagged before
     std::int64_t max(std::int64_t value) const;
+    void max(std::span<double> values) const; ///< in place, element by element; of numbers
     std::uint32_t bit_or(std::uint32_t flags) const;
     void broadcast(std::span<std::byte> bytes, int root = 0) const;
     void broadcast(std::string& text, int root = 0) const;

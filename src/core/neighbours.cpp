@@ -1,0 +1,302 @@
+#include "core/neighbours.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <unordered_map>
+
+namespace nappe {
+
+namespace {
+
+/// Grains of all held tiles, each tile cut into k^D cells about as wide as two grains, so that a search looks at few of them.
+template <int D>
+class CellIndex {
+public:
+    CellIndex(const State<D>& state, const TileGrid<D>& grid) : state_(state), grid_(grid) {
+        double widest = 0;
+        for (LocalId i = 0; i < state.n_held(); ++i) {
+            widest = std::max(widest, state.radius[i]);
+        }
+        // Twice the largest radius: a search of a slow grain covers 3 x 3 cells.
+        k_ = widest > 0 ? std::max(1, static_cast<int>(grid.side() / (2.05 * widest))) : 1;
+        n_cells_ = 1;
+        for (int d = 0; d < D; ++d) {
+            n_cells_ *= k_;
+        }
+        collect(0, state.n_own);
+        n_own_tiles_ = keys_.size();
+        collect(state.n_own, state.n_held());
+    }
+
+    std::size_t n_own_tiles() const { return n_own_tiles_; }
+    TileKey key(std::size_t slot) const { return keys_[slot]; }
+    LocalId begin(std::size_t slot) const { return begin_[slot]; }
+    LocalId end(std::size_t slot) const { return end_[slot]; }
+
+    /// Slots of a tile and its neighbours; -1 where nothing is held.
+    std::array<int, TileGrid<D>::n_ring> ring(std::size_t slot) const {
+        std::array<int, TileGrid<D>::n_ring> slots;
+        const auto keys = TileGrid<D>::ring(keys_[slot]);
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+            const auto it = slot_of_.find(keys[i]);
+            slots[i] = it == slot_of_.end() ? -1 : it->second;
+        }
+        return slots;
+    }
+
+    /// Largest radius + margin among the grains of a tile [m].
+    double extent(std::size_t slot) const { return extent_[slot]; }
+
+    /// Calls f(j) for the held grains in cells within `range` of x, in tiles of `ring` around `slot`.
+    template <class F>
+    void for_each_near(std::size_t slot, const std::array<int, TileGrid<D>::n_ring>& ring, const Vec<D>& x, double range,
+                       F&& f) const {
+        static_assert(D == 2, "the loops below are the plane's");
+        const Vec<D> corner = grid_.corner(keys_[slot]);
+        const double per_cell = static_cast<double>(k_) / grid_.side();
+        const auto cell = [&](double coordinate) {
+            const int c = static_cast<int>(std::floor(coordinate * per_cell));
+            return std::clamp(c, -k_, 2 * k_ - 1);
+        };
+        // A relative widening well above round-off, so that a cell's edge can hide no pair.
+        const double r = range * (1 + 1e-9) + 1e-12 * grid_.side();
+        const int x0 = cell(x[0] - corner[0] - r), x1 = cell(x[0] - corner[0] + r);
+        const int y0 = cell(x[1] - corner[1] - r), y1 = cell(x[1] - corner[1] + r);
+        for (int cx = x0; cx <= x1; ++cx) {
+            const int tx = cx < 0 ? 0 : (cx < k_ ? 1 : 2);
+            for (int cy = y0; cy <= y1; ++cy) {
+                const int ty = cy < 0 ? 0 : (cy < k_ ? 1 : 2);
+                const int other = ring[static_cast<std::size_t>(3 * tx + ty)];
+                if (other < 0) {
+                    continue;
+                }
+                const int sub = (cx - (tx - 1) * k_) * k_ + (cy - (ty - 1) * k_);
+                const std::size_t at = static_cast<std::size_t>(other) * (n_cells_ + 1) + static_cast<std::size_t>(sub);
+                for (std::int32_t p = cell_begin_[at]; p < cell_begin_[at + 1]; ++p) {
+                    f(grain_[static_cast<std::size_t>(p)]);
+                }
+            }
+        }
+    }
+
+private:
+    void collect(LocalId from, LocalId to) {
+        for (LocalId i = from; i < to;) {
+            const TileKey key = grid_.key(state_.x_ref[i]);
+            LocalId j = i;
+            double extent = 0;
+            while (j < to && grid_.key(state_.x_ref[j]) == key) {
+                extent = std::max(extent, state_.radius[j] + state_.margin[j]);
+                ++j;
+            }
+            slot_of_.emplace(key, static_cast<int>(keys_.size()));
+            keys_.push_back(key);
+            begin_.push_back(i);
+            end_.push_back(j);
+            extent_.push_back(extent);
+            sort_into_cells(key, i, j);
+            i = j;
+        }
+    }
+
+    void sort_into_cells(TileKey key, LocalId from, LocalId to) {
+        const Vec<D> corner = grid_.corner(key);
+        const double per_cell = static_cast<double>(k_) / grid_.side();
+        const auto sub = [&](LocalId i) {
+            std::size_t cell = 0;
+            for (int d = 0; d < D; ++d) {
+                const int c = static_cast<int>(std::floor((state_.x_ref[i][d] - corner[d]) * per_cell));
+                cell = cell * static_cast<std::size_t>(k_) + static_cast<std::size_t>(std::clamp(c, 0, k_ - 1));
+            }
+            return cell;
+        };
+        const std::size_t base = cell_begin_.size();
+        cell_begin_.resize(base + n_cells_ + 1, 0);
+        for (LocalId i = from; i < to; ++i) {
+            ++cell_begin_[base + sub(i) + 1];
+        }
+        cell_begin_[base] = static_cast<std::int32_t>(grain_.size());
+        for (std::size_t c = 0; c < n_cells_; ++c) {
+            cell_begin_[base + c + 1] += cell_begin_[base + c];
+        }
+        std::vector<std::int32_t> at(cell_begin_.begin() + static_cast<std::ptrdiff_t>(base), cell_begin_.end() - 1);
+        grain_.resize(grain_.size() + static_cast<std::size_t>(to - from));
+        for (LocalId i = from; i < to; ++i) {
+            grain_[static_cast<std::size_t>(at[sub(i)]++)] = i;
+        }
+    }
+
+    const State<D>& state_;
+    const TileGrid<D>& grid_;
+    int k_ = 1;
+    std::size_t n_cells_ = 1;
+    std::size_t n_own_tiles_ = 0;
+    std::vector<TileKey> keys_;
+    std::vector<LocalId> begin_, end_;
+    std::vector<double> extent_;
+    std::vector<std::int32_t> cell_begin_;
+    std::vector<LocalId> grain_;
+    std::unordered_map<TileKey, int> slot_of_;
+};
+
+/// One tile's contacts in canonical order: lo by id (rows are sorted so), then partners by key.
+template <int D>
+class TileSearch {
+public:
+    TileSearch(const State<D>& state, const TileGrid<D>& grid, const Walls<D>& walls, const CellIndex<D>& cells)
+        : state_(state), grid_(grid), walls_(walls), cells_(cells) {}
+
+    void run(std::size_t slot) {
+        a.clear();
+        b.clear();
+        const auto ring = cells_.ring(slot);
+        double widest = 0;
+        for (const int s : ring) {
+            if (s >= 0) {
+                widest = std::max(widest, cells_.extent(static_cast<std::size_t>(s)));
+            }
+        }
+        near_features(slot);
+        for (LocalId i = cells_.begin(slot); i < cells_.end(slot); ++i) {
+            partners_.clear();
+            const double reach = state_.radius[i] + state_.margin[i];
+            cells_.for_each_near(slot, ring, state_.x_ref[i], reach + widest, [&](LocalId j) {
+                if (state_.id[j] <= state_.id[i]) {
+                    return;
+                }
+                const double range = reach + state_.radius[j] + state_.margin[j];
+                if ((state_.x_ref[j] - state_.x_ref[i]).squaredNorm() <= range * range) {
+                    partners_.push_back({state_.id[j], j});
+                }
+            });
+            std::sort(partners_.begin(), partners_.end());
+            for (const auto& [id, j] : partners_) {
+                a.push_back(i);
+                b.push_back(j);
+            }
+            add_walls(i, reach);
+        }
+    }
+
+    std::vector<LocalId> a, b;
+
+private:
+    void near_features(std::size_t slot) {
+        features_.clear();
+        const TileKey key = cells_.key(slot);
+        const Vec<D> middle = grid_.corner(key) + Vec<D>::Constant(0.5 * grid_.side());
+        const double half_diagonal = 0.5 * grid_.side() * std::sqrt(static_cast<double>(D)) * (1 + 1e-9);
+        for (int f = 0; f < walls_.n_features(); ++f) {
+            const double margin = walls_.margin[static_cast<std::size_t>(walls_.feature(2 * f).wall)];
+            if (walls_.distance_ref(f, middle) <= half_diagonal + cells_.extent(slot) + margin) {
+                features_.push_back(f);
+            }
+        }
+    }
+
+    void add_walls(LocalId i, double reach) {
+        for (const int f : features_) {
+            const double margin = walls_.margin[static_cast<std::size_t>(walls_.feature(2 * f).wall)];
+            if (walls_.distance_ref(f, state_.x_ref[i]) <= reach + margin) {
+                a.push_back(i);
+                b.push_back(state_.n_held() + walls_.side_of(f, state_.x_ref[i]));
+            }
+        }
+    }
+
+    const State<D>& state_;
+    const TileGrid<D>& grid_;
+    const Walls<D>& walls_;
+    const CellIndex<D>& cells_;
+    std::vector<int> features_;
+    std::vector<std::pair<GlobalId, LocalId>> partners_;
+};
+
+} // namespace
+
+void colour_contacts(std::span<const LocalId> a, std::span<const LocalId> b, LocalId n_grains,
+                     std::vector<std::uint64_t>& used, std::vector<std::int32_t>& colour) {
+    const std::size_t n = a.size();
+    used.resize(static_cast<std::size_t>(n_grains), 0);
+    colour.assign(n, -1);
+    std::size_t left = n;
+    for (std::int32_t base = 0; left > 0; base += 64) { // a grain with more than 64 contacts needs another round
+        for (std::size_t c = 0; c < n; ++c) {
+            if (colour[c] >= 0) {
+                continue;
+            }
+            std::uint64_t& taken_a = used[static_cast<std::size_t>(a[c])];
+            std::uint64_t* taken_b = b[c] < n_grains ? &used[static_cast<std::size_t>(b[c])] : nullptr;
+            const std::uint64_t taken = taken_a | (taken_b != nullptr ? *taken_b : 0);
+            if (taken == ~std::uint64_t{0}) {
+                continue;
+            }
+            const int first = std::countr_one(taken);
+            colour[c] = base + first;
+            taken_a |= std::uint64_t{1} << first;
+            if (taken_b != nullptr) {
+                *taken_b |= std::uint64_t{1} << first;
+            }
+            --left;
+        }
+        for (std::size_t c = 0; c < n; ++c) {
+            used[static_cast<std::size_t>(a[c])] = 0;
+            if (b[c] < n_grains) {
+                used[static_cast<std::size_t>(b[c])] = 0;
+            }
+        }
+    }
+}
+
+template <int D>
+CandidateSet<D> find_candidates(const State<D>& state, const TileGrid<D>& grid, const Walls<D>& walls,
+                                const ContactMemory<D>& memory) {
+    const CellIndex<D> cells(state, grid);
+    TileSearch<D> search(state, grid, walls, cells);
+    CandidateSet<D> set;
+    std::vector<std::int32_t> n_in_class, at, colour;
+    std::vector<std::uint64_t> used;
+    for (std::size_t slot = 0; slot < cells.n_own_tiles(); ++slot) {
+        search.run(slot);
+        const std::size_t n = search.a.size();
+        colour_contacts(search.a, search.b, state.n_held(), used, colour);
+        const std::int32_t n_classes = n == 0 ? 0 : 1 + *std::max_element(colour.begin(), colour.end());
+
+        Tile tile;
+        tile.key = cells.key(slot);
+        tile.colour = TileGrid<D>::colour(tile.key);
+        tile.grains_begin = cells.begin(slot);
+        tile.grains_end = cells.end(slot);
+        tile.candidates_begin = set.size();
+        tile.candidates_end = set.size() + static_cast<std::int32_t>(n);
+        tile.classes_begin = static_cast<std::int32_t>(set.class_begin.size());
+        tile.classes_end = tile.classes_begin + n_classes;
+
+        n_in_class.assign(static_cast<std::size_t>(n_classes), 0);
+        for (const std::int32_t k : colour) {
+            ++n_in_class[static_cast<std::size_t>(k)];
+        }
+        std::int32_t next = tile.candidates_begin;
+        at.clear();
+        for (const std::int32_t count : n_in_class) {
+            set.class_begin.push_back(next);
+            at.push_back(next);
+            next += count;
+        }
+        set.a.resize(static_cast<std::size_t>(tile.candidates_end));
+        set.b.resize(set.a.size());
+        set.r.resize(set.a.size());
+        for (std::size_t c = 0; c < n; ++c) {
+            const auto to = static_cast<std::size_t>(at[static_cast<std::size_t>(colour[c])]++);
+            set.a[to] = search.a[c];
+            set.b[to] = search.b[c];
+            set.r[to] = memory.find(state.id[search.a[c]], partner_key(state, search.b[c]));
+        }
+        set.tiles.push_back(tile);
+    }
+    return set;
+}
+
+template CandidateSet<2> find_candidates(const State<2>&, const TileGrid<2>&, const Walls<2>&, const ContactMemory<2>&);
+
+} // namespace nappe

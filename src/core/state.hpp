@@ -1,0 +1,104 @@
+#pragma once
+// Everything a rank knows of its grains, in one place: rows [0, n_own) are owned, [n_own, n_held) are copies of grains
+// that others own (ghosts), and then come the unmovable bodies of walls, one per sided feature, and one null body that
+// pads batches. Ghosts are integrated like owned grains, so that between rebuilds only velocities travel.
+
+#include "core/rows.hpp"
+#include "core/types.hpp"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace nappe {
+
+/// What the sweep reads and writes of a body, one 256-bit load in the plane. `s` is the speed of the rim, radius x spin
+/// [m/s]: with it no lever arm is needed in the kernel. `inv_m` is 1/mass [1/kg], 0 for what does not move.
+/// 32 bytes in the plane. (Rejected: separate arrays per component — four cache lines a body instead of half of one.)
+template <int D>
+struct alignas(32) BodyVelocity {
+    std::array<double, D> v{};
+    std::array<double, n_spin<D>> s{};
+    double inv_m = 0;
+};
+
+/// A grain as it travels between ranks, bit for bit. Trivially copyable.
+template <int D>
+struct GrainRecord {
+    GlobalId id = 0;
+    BodyVelocity<D> u;
+    std::array<double, D> x{};
+    std::array<double, n_spin<D>> rotation{};
+    double radius = 0;
+    double mass = 0;
+    double margin = 0;
+    std::uint64_t cells = 0;
+    std::int32_t material = 0;
+    std::int32_t layer = 0;
+};
+
+/// Arrays over bodies; all grain arrays have n_held() rows, `u`, `u_old` and `material` have n_bodies().
+template <int D>
+struct State {
+    LocalId n_own = 0;
+    std::vector<GlobalId> id;
+    std::vector<Vec<D>> x;      ///< position at the start of the step [m]
+    std::vector<Vec<D>> x_mid;  ///< predicted position, where contacts are detected [m]
+    std::vector<Vec<D>> x_ref;  ///< position at the last rebuild [m]
+    std::vector<double> margin; ///< how far a grain may go from x_ref before the lists are rebuilt [m]
+    std::vector<BodyVelocity<D>> u;     ///< velocity, being solved for
+    std::vector<BodyVelocity<D>> u_old; ///< velocity at the start of the step
+    std::vector<std::array<double, n_spin<D>>> rotation; ///< [rad]
+    std::vector<double> radius;         ///< [m]
+    std::vector<double> mass;           ///< [kg]
+    std::vector<std::uint64_t> cells;   ///< bit k: member of Output::cells[k]
+    std::vector<std::int32_t> layer;
+    std::vector<std::int32_t> material;
+
+    LocalId n_held() const { return static_cast<LocalId>(id.size()); }
+    LocalId n_bodies() const { return static_cast<LocalId>(u.size()); }
+    LocalId null_body() const { return n_bodies() - 1; }
+
+    GrainRecord<D> record(LocalId i) const {
+        GrainRecord<D> g;
+        g.id = id[i];
+        g.u = u[i];
+        for (int d = 0; d < D; ++d) {
+            g.x[d] = x[i][d];
+        }
+        g.rotation = rotation[i];
+        g.radius = radius[i];
+        g.mass = mass[i];
+        g.margin = margin[i];
+        g.cells = cells[i];
+        g.material = material[i];
+        g.layer = layer[i];
+        return g;
+    }
+
+    /// Local. Takes owned grains, then ghosts, then room for `n_walls` wall bodies and the null body.
+    void assign(const std::vector<GrainRecord<D>>& own, const std::vector<GrainRecord<D>>& ghosts, LocalId n_walls);
+
+    /// Bytes of all arrays for one grain, a figure of the code, not of a run.
+    static constexpr std::size_t bytes_per_grain() {
+        return sizeof(GlobalId) + 3 * sizeof(Vec<D>) + sizeof(double) + 2 * sizeof(BodyVelocity<D>) +
+               sizeof(std::array<double, n_spin<D>>) + 2 * sizeof(double) + sizeof(std::uint64_t) +
+               2 * sizeof(std::int32_t);
+    }
+};
+
+/// The kinetic energy of a disk (I = m r²/2) in [J]. In space a sphere (2/5 m r²) would take its own factor.
+template <int D>
+double kinetic_energy(const BodyVelocity<D>& u, double mass) {
+    static_assert(D == 2, "the inertia below is a disk's");
+    const double v2 = u.v[0] * u.v[0] + u.v[1] * u.v[1];
+    return 0.5 * mass * (v2 + 0.5 * u.s[0] * u.s[0]);
+}
+
+template <int D>
+GrainRecord<D> to_record(const GrainRow<D>& row);
+
+template <int D>
+GrainRow<D> to_row(const GrainRecord<D>& record);
+
+} // namespace nappe

@@ -1,0 +1,88 @@
+#pragma once
+// The rank's share of the world: which tiles it owns, which grains it holds. Everything that changes at a rebuild goes through
+// here: new tiles, moved tiles, migrating grains with their impulses, ghosts, and the proof that no grain was lost.
+
+#include "core/contact_set.hpp"
+#include "core/exact_sum.hpp"
+#include "core/scene.hpp"
+#include "core/state.hpp"
+#include "parallel/communicator.hpp"
+#include "parallel/halo.hpp"
+#include "parallel/partition.hpp"
+#include "parallel/tile_directory.hpp"
+
+#include <vector>
+
+namespace nappe {
+
+/// Work of an owned tile since the last balancing, and what it shares with others.
+struct TileWork {
+    TileKey key = 0;
+    std::int64_t relaxations = 0;
+};
+
+struct TileLink {
+    TileKey a = 0, b = 0;
+    std::int64_t contacts = 0; ///< candidates between the two tiles
+};
+
+template <int D>
+class Domain {
+public:
+    Domain(const Communicator& comm, const TileGrid<D>& grid, const BalanceSettings& balance)
+        : comm_(comm), grid_(grid), balance_(balance), halo_(comm) {}
+
+    /// **Collective.** Spreads a new set of grains, rows in any order on any ranks, over the ranks by tiles of equal grain count.
+    /// Ids must be distinct. @param n_wall_bodies rows to keep in State for walls.
+    void distribute(std::vector<GrainRecord<D>> grains, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies,
+                    State<D>& state, ContactMemory<D>& memory);
+
+    /// **Collective.** At a rebuild: takes owned grains (with their new margins) and impulses of owned contacts, sends each to the
+    /// owner of the tile it is in now, fetches ghosts, fills `state` (x_ref = x). Afterwards `memory` holds the impulses of owned
+    /// contacts. Throws NumericalFailure if a grain left the world that tiles can name, SystemError if a grain was lost.
+    void rebuild(State<D>& state, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies, ContactMemory<D>& memory);
+
+    /// **Collective.** To be called before a rebuild; moves tiles if counted work is uneven beyond the scene's threshold. Returns
+    /// whether they moved. Grains follow at that rebuild.
+    bool balance(const std::vector<TileWork>& work, const std::vector<TileLink>& links);
+
+    /// **Collective.** Who must hear of what, for the candidates found after a rebuild.
+    void build_halo(const State<D>& state, CandidateSet<D>& candidates) {
+        halo_.build(state, grid_, directory_, range_max_, candidates);
+    }
+
+    Halo<D>& halo() { return halo_; }
+    const Halo<D>& halo() const { return halo_; }
+    const Communicator& comm() const { return comm_; }
+    const TileGrid<D>& grid() const { return grid_; }
+    const TileDirectory& directory() const { return directory_; }
+
+    /// Largest margin tiles allow: two tiles of one colour must not reach the same grain, so 4 (r + margin) < S [m].
+    double largest_margin(double r_max) const { return 0.2499 * grid_.side() - r_max; }
+
+    std::int64_t n_grains() const { return n_grains_; }   ///< of all ranks
+    double last_imbalance() const { return imbalance_; } ///< largest over mean work, when last looked at
+
+private:
+    void cut(const std::vector<TileWork>& work, const std::vector<TileLink>& links);
+    void settle_tiles(const std::vector<GrainRecord<D>>& own);
+    void send_home(std::vector<GrainRecord<D>>& own, std::vector<ContactRow<D>>& impulses) const;
+    std::vector<GrainRecord<D>> fetch_ghosts(const std::vector<GrainRecord<D>>& own);
+    void take(std::vector<GrainRecord<D>> own, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies,
+              State<D>& state, ContactMemory<D>& memory);
+    void sort_by_tile(std::vector<GrainRecord<D>>& grains) const;
+    void count(const std::vector<GrainRecord<D>>& own, bool first);
+
+    const Communicator& comm_;
+    TileGrid<D> grid_;
+    BalanceSettings balance_;
+    Halo<D> halo_;
+    TileDirectory directory_;
+    double range_max_ = 0;
+    double imbalance_ = 1;
+    std::int64_t n_grains_ = 0;
+    std::uint64_t id_check_ = 0;
+    double mass_ = 0;
+};
+
+} // namespace nappe

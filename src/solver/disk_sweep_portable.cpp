@@ -1,0 +1,8 @@
+#include "solver/disk_sweep.inl"
+
+namespace nappe {
+
+extern const DiskKernels disk_kernels_portable;
+const DiskKernels disk_kernels_portable{"portable", relax, apply};
+
+} // namespace nappe

@@ -1,0 +1,251 @@
+#include "solver/observables.hpp"
+
+#include "core/contact_geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace nappe {
+
+template <int D>
+Energies energies(const Simulation<D>& simulation) {
+    const auto& state = simulation.state();
+    ExactSum kinetic, potential;
+    for (const auto& tile : simulation.candidates().tiles) {
+        double k = 0, p = 0;
+        for (auto i = tile.grains_begin; i < tile.grains_end; ++i) {
+            k += kinetic_energy(state.u[i], state.mass[i]);
+            p -= state.mass[i] * simulation.scene().gravity.dot(state.x[i]);
+        }
+        kinetic.add(k);
+        potential.add(p);
+    }
+    simulation.comm().sum(kinetic.limbs());
+    simulation.comm().sum(potential.limbs());
+    return {kinetic.value(), potential.value()};
+}
+
+template <int D>
+Overlaps overlaps(const Simulation<D>& simulation) {
+    const auto& state = simulation.state();
+    const auto& set = simulation.candidates();
+    ExactSum sum;
+    Overlaps o;
+    for (const auto& tile : set.tiles) {
+        double of_tile = 0;
+        for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
+            const LocalId a = set.a[c], b = set.b[c];
+            const auto g = contact_geometry(state, simulation.walls(), a, b);
+            if (!g.applies) {
+                continue;
+            }
+            const double r_b = b < state.n_held() ? state.radius[b] : state.radius[a];
+            const double smaller = state.radius[a] < r_b ? state.radius[a] : r_b;
+            const double overlap = g.gap < 0 ? -g.gap / smaller : 0.0;
+            o.largest = overlap > o.largest ? overlap : o.largest;
+            if (set.r[c].n > 0) {
+                of_tile += overlap;
+                ++o.contacts;
+            }
+        }
+        sum.add(of_tile);
+    }
+    const auto& comm = simulation.comm();
+    comm.sum(sum.limbs());
+    o.largest = comm.max(o.largest);
+    o.contacts = comm.sum(o.contacts);
+    o.candidates = comm.sum(static_cast<std::int64_t>(set.size()));
+    o.mean = o.contacts > 0 ? sum.value() / static_cast<double>(o.contacts) : 0.0;
+    return o;
+}
+
+template <int D>
+std::vector<CellShape<D>> cell_shapes(const Simulation<D>& simulation) {
+    const auto& state = simulation.state();
+    const std::size_t n = simulation.scene().output.cells.size();
+    constexpr double none = -std::numeric_limits<double>::infinity();
+    std::vector<double> reach(2 * D * n, none); // largest x, largest -x, …
+    std::vector<std::int64_t> count(n, 0);
+    std::vector<ExactSum> volume(n);
+    for (LocalId i = 0; i < state.n_own; ++i) {
+        auto bits = state.cells[i];
+        for (std::size_t k = 0; bits != 0; ++k, bits >>= 1) {
+            if ((bits & 1) == 0) {
+                continue;
+            }
+            ++count[k];
+            volume[k].add(std::numbers::pi * state.radius[i] * state.radius[i]);
+            for (int d = 0; d < D; ++d) {
+                double* extreme = &reach[2 * (k * D + static_cast<std::size_t>(d))];
+                extreme[0] = std::max(extreme[0], state.x[i][d]);
+                extreme[1] = std::max(extreme[1], -state.x[i][d]);
+            }
+        }
+    }
+    const auto& comm = simulation.comm();
+    if (n > 0) {
+        comm.max(std::span(reach));
+        comm.sum(std::span(count));
+    }
+    std::vector<CellShape<D>> shapes(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        comm.sum(volume[k].limbs());
+        shapes[k].grains = count[k];
+        shapes[k].volume = volume[k].value();
+        for (int d = 0; d < D && count[k] > 0; ++d) {
+            const double* extreme = &reach[2 * (k * D + static_cast<std::size_t>(d))];
+            shapes[k].extent[d] = extreme[0] + extreme[1];
+        }
+    }
+    return shapes;
+}
+
+template <int D>
+Surface free_surface(const Simulation<D>& simulation, double bin) {
+    const auto& state = simulation.state();
+    constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min();
+    const auto bin_of = [&](LocalId i) { return static_cast<std::int64_t>(std::floor(state.x[i][0] / bin)); };
+    std::int64_t last = none, first_negated = none;
+    for (LocalId i = 0; i < state.n_own; ++i) {
+        last = std::max(last, bin_of(i));
+        first_negated = std::max(first_negated, -bin_of(i));
+    }
+    const auto& comm = simulation.comm();
+    last = comm.max(last);
+    first_negated = comm.max(first_negated);
+    Surface surface;
+    surface.bin = bin;
+    if (last == none || last + first_negated > 1'000'000) {
+        return surface;
+    }
+    surface.first_bin = -first_negated;
+    surface.height.assign(static_cast<std::size_t>(last - surface.first_bin + 1),
+                          -std::numeric_limits<double>::infinity());
+    for (LocalId i = 0; i < state.n_own; ++i) {
+        double& height = surface.height[static_cast<std::size_t>(bin_of(i) - surface.first_bin)];
+        height = std::max(height, state.x[i][1] + state.radius[i]);
+    }
+    comm.max(std::span(surface.height));
+    return surface;
+}
+
+double front_position(const Surface& surface, double bed, double rise) {
+    for (std::size_t k = surface.height.size(); k-- > 0;) {
+        if (surface.height[k] > bed + rise) {
+            return (static_cast<double>(surface.first_bin) + static_cast<double>(k) + 0.5) * surface.bin;
+        }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+double median_height(const Surface& surface) {
+    std::vector<double> heights;
+    std::copy_if(surface.height.begin(), surface.height.end(), std::back_inserter(heights),
+                 [](double h) { return std::isfinite(h); });
+    if (heights.empty()) {
+        return 0;
+    }
+    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+    std::nth_element(heights.begin(), middle, heights.end());
+    return *middle;
+}
+
+template <int D>
+std::vector<FrameGrain<D>> frame_grains(const Simulation<D>& simulation) {
+    struct Load {
+        GlobalId grain, partner;
+        double r_n;
+    };
+    const auto& state = simulation.state();
+    const auto& set = simulation.candidates();
+    const auto& comm = simulation.comm();
+    std::vector<std::vector<Load>> to(static_cast<std::size_t>(comm.size()));
+    for (std::size_t c = 0; c < set.a.size(); ++c) {
+        if (!(set.r[c].n > 0)) {
+            continue;
+        }
+        const LocalId a = set.a[c], b = set.b[c];
+        to[static_cast<std::size_t>(comm.rank())].push_back({state.id[a], partner_key(state, b), set.r[c].n});
+        if (b < state.n_held()) {
+            const int owner = b < state.n_own
+                                  ? comm.rank()
+                                  : simulation.domain().directory().owner(simulation.domain().grid().key(state.x_ref[b]));
+            to[static_cast<std::size_t>(owner)].push_back({state.id[b], state.id[a], set.r[c].n});
+        }
+    }
+    std::vector<Load> loads;
+    for (const auto& part : comm.exchange(to)) {
+        loads.insert(loads.end(), part.begin(), part.end());
+    }
+    std::sort(loads.begin(), loads.end(), [](const Load& p, const Load& q) {
+        return p.grain != q.grain ? p.grain < q.grain : p.partner < q.partner;
+    });
+
+    std::vector<FrameGrain<D>> rows(static_cast<std::size_t>(state.n_own));
+    const double h = simulation.settings().h / simulation.settings().substeps;
+    for (LocalId i = 0; i < state.n_own; ++i) {
+        auto& row = rows[static_cast<std::size_t>(i)];
+        row.grain = to_row(state.record(i));
+        row.rank = comm.rank();
+        const auto before = [](const Load& l, GlobalId id) { return l.grain < id; };
+        double sum = 0;
+        for (auto l = std::lower_bound(loads.begin(), loads.end(), state.id[i], before);
+             l != loads.end() && l->grain == state.id[i]; ++l) {
+            sum += l->r_n;
+            ++row.coordination;
+        }
+        // (1/V) tr(sum f ⊗ r n) / 2 over the disk's own area.
+        row.pressure = sum / h / (2 * std::numbers::pi * state.radius[i]);
+    }
+    return rows;
+}
+
+template <int D>
+std::vector<FrameContact<D>> frame_contacts(const Simulation<D>& simulation) {
+    const auto& state = simulation.state();
+    const auto& set = simulation.candidates();
+    const auto& walls = simulation.walls();
+    std::vector<FrameContact<D>> rows;
+    for (std::size_t c = 0; c < set.a.size(); ++c) {
+        const LocalId a = set.a[c], b = set.b[c];
+        const auto g = contact_geometry(state, walls, a, b);
+        if (!g.applies || (set.r[c].n == 0 && g.gap > 0)) {
+            continue;
+        }
+        FrameContact<D> row;
+        row.lo = state.id[a];
+        row.hi = partner_key(state, b);
+        row.gap = g.gap;
+        row.r_n = set.r[c].n;
+        row.r_t = set.r[c].t;
+        double tangential = 0;
+        for (int d = 0; d < D; ++d) {
+            row.normal[d] = g.n[d];
+            row.point[d] = state.x[a][d] - (state.radius[a] + 0.5 * g.gap) * g.n[d];
+        }
+        for (const double t : row.r_t) {
+            tangential += t * t;
+        }
+        const bool wall = b >= state.n_held();
+        row.wall = wall ? walls.feature(b - state.n_held()).wall : -1;
+        const auto* law = find_law(simulation.scene(), state.material[a], state.material[b]);
+        const double limit = (law != nullptr ? law->friction : 0.0) * row.r_n;
+        const auto status = !(row.r_n > 0) ? ContactStatus::open
+                            : std::sqrt(tangential) < limit * (1 - 1e-12) ? ContactStatus::stick
+                                                                          : ContactStatus::slip;
+        row.status = static_cast<std::int32_t>(status);
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+template Energies energies(const Simulation<2>&);
+template Overlaps overlaps(const Simulation<2>&);
+template std::vector<CellShape<2>> cell_shapes(const Simulation<2>&);
+template Surface free_surface(const Simulation<2>&, double);
+template std::vector<FrameGrain<2>> frame_grains(const Simulation<2>&);
+template std::vector<FrameContact<2>> frame_contacts(const Simulation<2>&);
+
+} // namespace nappe

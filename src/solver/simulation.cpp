@@ -1,0 +1,130 @@
+#include "solver/simulation.hpp"
+
+#include "core/mix.hpp"
+
+#include <algorithm>
+
+namespace nappe {
+
+template <int D>
+double largest_radius(const Scene<D>& scene) {
+    double r = scene.sample ? scene.sample->radii.max : 0.0;
+    for (const auto& g : scene.grains) {
+        r = std::max(r, g.radius);
+    }
+    return r;
+}
+
+template <int D>
+double tile_side(const Scene<D>& scene) {
+    return scene.tiles.side > 0 ? scene.tiles.side : 16 * largest_radius(scene);
+}
+
+template <int D>
+Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels)
+    : comm_(comm), scene_(scene), walls_(scene.walls),
+      domain_(comm, TileGrid<D>(scene.origin, tile_side(scene)), scene.balance), contacts_(scene, kernels),
+      solver_(comm, watch_), sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
+    skin_ = scene.tiles.skin > 0 ? scene.tiles.skin : 0.08 * r_max_;
+}
+
+template <int D>
+void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses) {
+    const auto lap = watch_.lap(Timed::prepare);
+    std::vector<GrainRecord<D>> records;
+    records.reserve(grains.size());
+    ExactSum radii, mass;
+    for (const auto& row : grains) {
+        records.push_back(to_record(row));
+        radii.add(row.radius);
+        mass.add(row.mass);
+    }
+    comm_.sum(radii.limbs());
+    comm_.sum(mass.limbs());
+    const auto n = comm_.sum(static_cast<std::int64_t>(grains.size()));
+    mean_radius_ = n > 0 ? radii.value() / static_cast<double>(n) : 0.0;
+    total_mass_ = mass.value();
+
+    walls_ = Walls<D>(scene_.walls);
+    stage_start_ = 0;
+    stage_steps_ = 0;
+    counters_ = {};
+    ContactMemory<D> memory;
+    domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory);
+    candidates_ = {};
+    work_.clear();
+    tile_work_.clear();
+    place_walls();
+    waiting_ = memory.rows();
+    rebuild_due_ = true;
+}
+
+template <int D>
+void Simulation<D>::start_stage(int stage) {
+    const bool preparing = scene_.stages[static_cast<std::size_t>(stage)].until.has_value();
+    const bool follows = !preparing && stage > 0 && stage_ == stage - 1 &&
+                         !scene_.stages[static_cast<std::size_t>(stage_)].until;
+    stage_start_ = follows ? time() : 0.0;
+    stage_ = stage;
+    stage_steps_ = 0;
+    drive_walls();
+    set_margins(settings().h / settings().substeps);
+    rebuild();
+    rebuild_due_ = false;
+}
+
+template <int D>
+void Simulation<D>::mark_cells() {
+    for (LocalId i = 0; i < state_.n_held(); ++i) {
+        std::uint64_t bits = 0;
+        for (std::size_t k = 0; k < scene_.output.cells.size(); ++k) {
+            const auto& cell = scene_.output.cells[k];
+            if ((state_.x[i] - cell.centre).norm() <= cell.radius) {
+                bits |= std::uint64_t{1} << k;
+            }
+        }
+        state_.cells[i] = bits;
+    }
+}
+
+template <int D>
+std::vector<GrainRow<D>> Simulation<D>::grain_rows() const {
+    std::vector<GrainRow<D>> rows;
+    rows.reserve(static_cast<std::size_t>(state_.n_own));
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        rows.push_back(to_row(state_.record(i)));
+    }
+    return rows;
+}
+
+template <int D>
+std::uint64_t Simulation<D>::state_hash() const {
+    std::uint64_t sum = 0; // of hashes by name, so that neither order nor owner matters
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        std::uint64_t h = mix(static_cast<std::uint64_t>(state_.id[i]));
+        for (int d = 0; d < D; ++d) {
+            h = mix(h, state_.x[i][d]);
+            h = mix(h, state_.u[i].v[d]);
+        }
+        for (int k = 0; k < n_spin<D>; ++k) {
+            h = mix(h, state_.u[i].s[k]);
+            h = mix(h, state_.rotation[i][k]);
+        }
+        sum += mix(h, state_.radius[i]);
+    }
+    for (const auto& row : contact_rows()) {
+        std::uint64_t h = mix(mix(static_cast<std::uint64_t>(row.lo)), static_cast<std::uint64_t>(row.hi));
+        h = mix(h, row.r_n);
+        for (const double t : row.r_t) {
+            h = mix(h, t);
+        }
+        sum += h;
+    }
+    return comm_.sum_wrapping(sum);
+}
+
+template class Simulation<2>;
+template double largest_radius(const Scene<2>&);
+template double tile_side(const Scene<2>&);
+
+} // namespace nappe

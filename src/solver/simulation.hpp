@@ -1,0 +1,146 @@
+#pragma once
+// A running scene: grains, walls, candidates, clock, and the step that moves them (step.cpp). Knows nothing of files.
+
+#include "core/contact_set.hpp"
+#include "core/contact_sums.hpp"
+#include "core/scene.hpp"
+#include "core/state.hpp"
+#include "core/stopwatch.hpp"
+#include "core/walls.hpp"
+#include "parallel/domain.hpp"
+#include "solver/nsgs.hpp"
+
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace nappe {
+
+/// Counted since the sample was loaded; per rank unless it says global.
+struct Counters {
+    std::int64_t steps = 0;         ///< global
+    std::int64_t relaxations = 0;   ///< contacts relaxed, padding not counted
+    std::int64_t sweeps = 0;        ///< global
+    std::int64_t rebuilds = 0;      ///< global
+    std::int64_t redone_lists = 0;  ///< global: steps redone since a grain outran its margin
+    std::int64_t redone_packs = 0;  ///< global: steps redone since a contact left out came to act
+    std::int64_t unconverged = 0;   ///< global: steps that reached max_sweeps
+    std::int64_t rebalanced = 0;    ///< global
+};
+
+/// Bits that ranks agree on at the end of every step by one Allreduce.
+namespace flag {
+inline constexpr std::uint32_t not_finite = 1u << 0;
+inline constexpr std::uint32_t outran_list = 1u << 1;
+inline constexpr std::uint32_t missed_contact = 1u << 2;
+inline constexpr std::uint32_t rebuild_next = 1u << 3;
+inline constexpr std::uint32_t through_wall = 1u << 4;
+inline constexpr std::uint32_t too_fast = 1u << 5; ///< a grain moves farther in a step than tiles allow
+inline constexpr std::uint32_t outside_first = 1u << 16; ///< bits from here on are the caller's: signals, I/O errors
+} // namespace flag
+
+template <int D>
+class Simulation {
+public:
+    /// **Collective.** @param kernels of one instruction set; results do not depend on it.
+    Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels);
+
+    /// **Collective.** Takes a sample, rows in any order on any ranks. Wall displacements and clock go back to 0.
+    void load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses);
+
+    /// **Collective.** The next steps belong to this stage. Rebuilds lists: every stage starts from the same state whether the
+    /// one before it was computed or its result loaded.
+    void start_stage(int stage);
+
+    /// **Collective.** Marks the grains inside the scene's cells; called when loading starts.
+    void mark_cells();
+
+    /// **Collective.** Advances by the stage's h. @param outside bits of the caller, >= flag::outside_first
+    /// @returns those bits of all ranks. Throws NumericalFailure (NaN, a grain through a wall or too fast), naming the grain.
+    std::uint32_t step(std::uint32_t outside = 0, bool with_residual = false);
+
+    /// Of the last step, if it was asked for or a tolerance is set.
+    const std::optional<Residual>& last_residual() const { return last_residual_; }
+    int last_sweeps() const { return last_sweeps_; }
+
+    const Scene<D>& scene() const { return scene_; }
+    const Communicator& comm() const { return comm_; }
+    const State<D>& state() const { return state_; }
+    const Walls<D>& walls() const { return walls_; }
+    const Domain<D>& domain() const { return domain_; }
+    const CandidateSet<D>& candidates() const { return candidates_; }
+    const ContactsOf<D>& contacts() const { return contacts_; }
+    const Counters& counters() const { return counters_; }
+    ContactSums<D>& sums() { return sums_; }
+    Stopwatch& watch() { return watch_; }
+    const SolverSettings& settings() const { return scene_.stages[static_cast<std::size_t>(stage_)].solver; }
+    int stage() const { return stage_; }
+    double time() const { return stage_start_ + static_cast<double>(stage_steps_) * settings().h; } ///< in this stage's clock [s]
+    std::int64_t stage_steps() const { return stage_steps_; }
+    double mean_radius() const { return mean_radius_; } ///< of all grains [m]
+    double total_mass() const { return total_mass_; }   ///< of all grains [kg]
+    double skin() const { return skin_; }               ///< [m]
+
+    /// Local. Owned grains and impulses as rows: a sample, if taken between steps.
+    std::vector<GrainRow<D>> grain_rows() const;
+    std::vector<ContactRow<D>> contact_rows() const { return impulse_rows(state_, candidates_); }
+
+    /// **Collective.** Of positions, velocities, rotations, radii and impulses by name; the same on any number of ranks.
+    std::uint64_t state_hash() const;
+
+private:
+    // One stage of the step each, in this order (step.cpp).
+    void substep(double h, int sweeps, std::uint32_t outside, bool with_residual);
+    void predict(double h);
+    void free_velocity(double h);
+    PackFaults detect(double h, bool activate_all);
+    void solve(double h, int sweeps, bool with_residual);
+    std::uint32_t check(double h, const PackFaults& faults);
+    void integrate(double h);
+    void collect();
+
+    void rebuild();
+    void drive_walls();
+    void set_margins(double h);
+    void widen_margins(double h);
+    void rebalance_if_due();
+    void place_walls();
+    double velocity_scale(double h) const;
+    [[noreturn]] void fail(std::uint32_t flags, const PackFaults& faults, double h) const;
+
+    const Communicator& comm_;
+    Scene<D> scene_;
+    Walls<D> walls_;
+    Stopwatch watch_;
+    State<D> state_;
+    Domain<D> domain_;
+    CandidateSet<D> candidates_;
+    ContactsOf<D> contacts_;
+    Nsgs<D> solver_;
+    ContactSums<D> sums_;
+    Counters counters_;
+
+    double r_max_ = 0, mean_radius_ = 0, total_mass_ = 0, skin_ = 0;
+    int stage_ = 0;
+    double stage_start_ = 0;
+    std::int64_t stage_steps_ = 0;
+    bool rebuild_due_ = true;
+    std::vector<ContactRow<D>> waiting_; ///< impulses that came with the sample, until the first rebuild has candidates for them
+    std::uint32_t agreed_ = 0;
+    std::optional<Residual> last_residual_;
+    int last_sweeps_ = 0;
+
+    std::unordered_map<TileKey, std::int64_t> work_; ///< relaxations of tiles since the last look at the balance
+    std::vector<std::int64_t> tile_work_;            ///< the same since the last rebuild, by row of candidates_.tiles
+    std::int64_t last_balance_ = 0; ///< step of the last look
+};
+
+/// Largest radius of a scene: what sizes its tiles [m].
+template <int D>
+double largest_radius(const Scene<D>& scene);
+
+/// The scene's tile side, its default worked out [m].
+template <int D>
+double tile_side(const Scene<D>& scene);
+
+} // namespace nappe

@@ -1,0 +1,383 @@
+// The time step: Moreau–Jean's theta-scheme (seeds/000 eq. 3, 4 and table 1), non-smooth contacts solved by tiles.
+//
+//     q_mid  = q_i + h (1 - theta) v_i                 positions where contacts are detected
+//     v_free = v_i + h g                               gravity is constant: theta has no part in it
+//     v_i+1  = v_free + M^-1 H r,  r from the contact law     (nsgs.cpp, disk_sweep.inl)
+//     q_i+1  = q_i + h theta v_i+1 + h (1 - theta) v_i
+//
+// Departs from the source in nothing but the order of relaxation. Copies of grains on several ranks go through the same operations
+// and stay equal, so that positions are never sent between rebuilds.
+
+#include "core/contact_geometry.hpp"
+#include "core/error.hpp"
+#include "core/neighbours.hpp"
+#include "solver/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace nappe {
+
+template <int D>
+std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
+    const auto& settings = this->settings();
+    const int n = settings.substeps;
+    const int sweeps = (settings.sweeps + n - 1) / n;
+    const double h = settings.h / n;
+    for (int k = 0; k < n; ++k) {
+        substep(h, sweeps, outside, with_residual && k == n - 1);
+    }
+    ++stage_steps_;
+    ++counters_.steps;
+    return agreed_ & ~(flag::outside_first - 1);
+}
+
+template <int D>
+void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool with_residual) {
+    constexpr int most_attempts = 8;
+    drive_walls();
+    if (rebuild_due_) {
+        set_margins(h);
+        rebuild();
+    }
+    bool activate_all = false;
+    for (int attempt = 1;; ++attempt) {
+        predict(h);
+        free_velocity(h);
+        const PackFaults faults = detect(h, activate_all);
+        solve(h, sweeps, with_residual);
+        agreed_ = check(h, faults) | outside;
+        {
+            const auto lap = watch_.lap(Timed::check);
+            agreed_ = comm_.bit_or(agreed_);
+        }
+        constexpr std::uint32_t fatal = flag::not_finite | flag::through_wall | flag::too_fast;
+        if ((agreed_ & fatal) != 0) {
+            fail(agreed_, faults, h);
+        }
+        if ((agreed_ & (flag::outran_list | flag::missed_contact)) == 0) {
+            break;
+        }
+        if (attempt == most_attempts) {
+            throw NumericalFailure(fmt::format("step {} of stage '{}' had to be redone more than {} times, since grains moved "
+                                               "farther than foreseen each time; take a smaller solver.h or more sweeps",
+                                               stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name,
+                                               most_attempts));
+        }
+        // Redone from the same start, but from the impulses found so far.
+        contacts_.store(candidates_);
+        if ((agreed_ & flag::outran_list) != 0) {
+            ++counters_.redone_lists;
+            widen_margins(h);
+            std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
+            rebuild();
+        } else {
+            ++counters_.redone_packs;
+            std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
+            activate_all = true;
+        }
+    }
+    contacts_.store(candidates_);
+    collect();
+    integrate(h);
+    rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
+}
+
+template <int D>
+void Simulation<D>::drive_walls() {
+    const bool preparing = scene_.stages[static_cast<std::size_t>(stage_)].until.has_value();
+    for (int w = 0; w < walls_.n_walls(); ++w) {
+        walls_.v[w] = driven_velocity(scene_.walls[w], stage_, preparing, time(), time() + settings().h);
+    }
+}
+
+template <int D>
+void Simulation<D>::predict(double h) {
+    const auto lap = watch_.lap(Timed::predict);
+    const double ahead = h * (1 - settings().theta);
+    for (LocalId i = 0; i < state_.n_held(); ++i) {
+        for (int d = 0; d < D; ++d) {
+            state_.x_mid[i][d] = state_.x[i][d] + ahead * state_.u[i].v[d];
+        }
+    }
+    for (int w = 0; w < walls_.n_walls(); ++w) {
+        walls_.offset_mid[w] = walls_.offset[w] + ahead * walls_.v_old[w];
+    }
+}
+
+template <int D>
+void Simulation<D>::free_velocity(double h) {
+    const auto lap = watch_.lap(Timed::predict);
+    for (LocalId i = 0; i < state_.n_held(); ++i) {
+        state_.u_old[i] = state_.u[i];
+        for (int d = 0; d < D; ++d) {
+            state_.u[i].v[d] += h * scene_.gravity[d];
+        }
+    }
+    place_walls();
+}
+
+template <int D>
+void Simulation<D>::place_walls() {
+    for (LocalId k = 0; k < walls_.n_bodies(); ++k) {
+        const auto row = static_cast<std::size_t>(state_.n_held() + k);
+        const auto w = static_cast<std::size_t>(walls_.feature(k).wall);
+        for (int d = 0; d < D; ++d) {
+            state_.u[row].v[d] = walls_.v[w][d];
+            state_.u_old[row].v[d] = walls_.v_old[w][d];
+        }
+        state_.material[row] = walls_.material(static_cast<int>(w));
+    }
+}
+
+template <int D>
+PackFaults Simulation<D>::detect(double h, bool activate_all) {
+    const auto lap = watch_.lap(Timed::geometry);
+    return contacts_.pack(state_, candidates_, walls_, h, activate_all);
+}
+
+template <int D>
+void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
+    const double scale = with_residual || settings().tolerance ? velocity_scale(h) : 0.0;
+    SolveReport report;
+    {
+        const auto lap = watch_.lap(Timed::sweep);
+        solver_.warm_start(contacts_, domain_.halo(), state_.u);
+        report = solver_.solve(contacts_, domain_.halo(), state_.u, settings(), sweeps, scale);
+    }
+    last_residual_.reset();
+    if (with_residual) {
+        last_residual_ = solver_.residual(contacts_, state_.u, scale);
+    }
+    last_sweeps_ = report.sweeps;
+    counters_.relaxations += report.relaxations;
+    counters_.sweeps += report.sweeps;
+    counters_.unconverged += report.converged ? 0 : 1;
+    for (std::size_t t = 0; t < tile_work_.size(); ++t) {
+        tile_work_[t] += contacts_.n_active(t) * report.sweeps;
+    }
+}
+
+/// V: the largest of h |g|, the RMS relative free velocity at touching contacts, and the speed of driven walls [m/s].
+template <int D>
+double Simulation<D>::velocity_scale(double h) const {
+    ExactSum squares;
+    std::int64_t n = 0;
+    for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+        const auto [sum, touching] = contacts_.touching_speed(t, state_.u);
+        squares.add(sum);
+        n += touching;
+    }
+    comm_.sum(squares.limbs());
+    n = comm_.sum(n);
+    const double falling = h * scene_.gravity.norm();
+    const double approaching = n > 0 ? std::sqrt(squares.value() / static_cast<double>(n)) : 0.0;
+    double scale = falling > approaching ? falling : approaching;
+    for (const auto& v : walls_.v) {
+        const double driven = v.norm();
+        scale = driven > scale ? driven : scale;
+    }
+    return scale;
+}
+
+template <int D>
+std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
+    const auto lap = watch_.lap(Timed::check);
+    std::uint32_t flags = faults.through_wall != PackFaults::none ? flag::through_wall : 0;
+    const double falling = h * h * scene_.gravity.norm(); // what gravity may add in the next step
+    const double most = domain_.largest_margin(r_max_);
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole step, and by one more.
+        double here = 0, next = 0, jump = 0;
+        for (int d = 0; d < D; ++d) {
+            const double move = h * state_.u[i].v[d];
+            const double at = state_.x_mid[i][d] - state_.x_ref[i][d] + move;
+            const double from_start = state_.x_mid[i][d] - state_.x[i][d] + move;
+            here += at * at;
+            next += (at + move) * (at + move);
+            jump += from_start * from_start;
+        }
+        const double margin = state_.margin[i];
+        if (!(here <= margin * margin)) {
+            flags |= std::isfinite(here) ? (jump < most * most ? flag::outran_list : flag::too_fast) : flag::not_finite;
+        }
+        const double room = margin - (falling < 0.25 * margin ? falling : 0.25 * margin);
+        if (!(next <= room * room)) {
+            flags |= flag::rebuild_next;
+        }
+    }
+    for (int w = 0; w < walls_.n_walls(); ++w) {
+        const Vec<D> at = walls_.offset_mid[w] + h * walls_.v[w] - walls_.offset_ref[w];
+        if (at.norm() > walls_.margin[w]) {
+            flags |= flag::outran_list;
+        }
+        if ((at + h * walls_.v[w]).norm() > walls_.margin[w]) {
+            flags |= flag::rebuild_next;
+        }
+    }
+    if (contacts_.missed_any(state_, candidates_, walls_, h)) {
+        flags |= flag::missed_contact;
+    }
+    return flags;
+}
+
+template <int D>
+void Simulation<D>::integrate(double h) {
+    const auto lap = watch_.lap(Timed::integrate);
+    const double later = h * settings().theta;
+    const double before = h * (1 - settings().theta);
+    for (LocalId i = 0; i < state_.n_held(); ++i) {
+        const auto& u = state_.u[i];
+        const auto& u_old = state_.u_old[i];
+        for (int d = 0; d < D; ++d) {
+            state_.x[i][d] += later * u.v[d] + before * u_old.v[d];
+        }
+        for (int k = 0; k < n_spin<D>; ++k) {
+            state_.rotation[i][k] += (later * u.s[k] + before * u_old.s[k]) / state_.radius[i];
+        }
+        state_.x_mid[i] = state_.x[i];
+    }
+    for (int w = 0; w < walls_.n_walls(); ++w) {
+        walls_.offset[w] += later * walls_.v[w] + before * walls_.v_old[w];
+        walls_.offset_mid[w] = walls_.offset[w];
+        walls_.v_old[w] = walls_.v[w];
+    }
+}
+
+/// Adds the step's impulses to what the series report.
+template <int D>
+void Simulation<D>::collect() {
+    const auto lap = watch_.lap(Timed::measure);
+    for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+        contacts_.for_each(t, [&](LocalId a, LocalId b, const Vec<D>& n, double r_n, double r_t) {
+            if (b < state_.n_held() && (state_.cells[a] | state_.cells[b]) == 0) {
+                return;
+            }
+            sums_.add(state_, a, b, n, r_n * n + r_t * Vec<D>(-n[1], n[0]));
+        });
+        sums_.end_tile();
+    }
+    sums_.end_step();
+}
+
+/// How far each grain may go before lists are rebuilt: the skin's half for those at rest, `lookahead` steps for those that move.
+template <int D>
+void Simulation<D>::set_margins(double h) {
+    const double most = domain_.largest_margin(r_max_);
+    const double ahead = h * scene_.tiles.lookahead;
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        double v2 = 0;
+        for (int d = 0; d < D; ++d) {
+            v2 += state_.u[i].v[d] * state_.u[i].v[d];
+        }
+        const double wanted = std::max(0.5 * skin_, ahead * std::sqrt(v2));
+        state_.margin[i] = std::min(wanted, most);
+    }
+}
+
+/// After a grain outran its margin in this step: room for where it was going, and as much again.
+template <int D>
+void Simulation<D>::widen_margins(double h) {
+    const double most = domain_.largest_margin(r_max_);
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        double jump = 0;
+        for (int d = 0; d < D; ++d) {
+            const double from_start = state_.x_mid[i][d] - state_.x[i][d] + h * state_.u[i].v[d];
+            jump += from_start * from_start;
+        }
+        const double wanted = std::max(0.5 * skin_, 2 * std::sqrt(jump));
+        state_.margin[i] = std::min(std::max(state_.margin[i], wanted), most);
+    }
+}
+
+template <int D>
+void Simulation<D>::rebuild() {
+    const auto lap = watch_.lap(Timed::rebuild);
+    for (int w = 0; w < walls_.n_walls(); ++w) {
+        walls_.offset_ref[w] = walls_.offset[w];
+        walls_.margin[w] = std::max(0.5 * skin_, settings().h * scene_.tiles.lookahead * walls_.v[w].norm());
+    }
+    rebalance_if_due();
+    auto impulses = waiting_.empty() ? impulse_rows(state_, candidates_) : std::move(waiting_);
+    waiting_.clear();
+    ContactMemory<D> memory;
+    domain_.rebuild(state_, std::move(impulses), walls_.n_bodies(), memory);
+    place_walls();
+    candidates_ = find_candidates(state_, domain_.grid(), walls_, memory);
+    domain_.build_halo(state_, candidates_);
+    solver_.order_tiles(candidates_);
+    tile_work_.assign(candidates_.tiles.size(), 0);
+    ++counters_.rebuilds;
+}
+
+template <int D>
+void Simulation<D>::rebalance_if_due() {
+    for (std::size_t t = 0; t < tile_work_.size(); ++t) {
+        work_[candidates_.tiles[t].key] += tile_work_[t];
+    }
+    if (counters_.steps - last_balance_ < scene_.balance.every || comm_.size() == 1) {
+        return;
+    }
+    last_balance_ = counters_.steps;
+    std::vector<TileWork> work;
+    std::unordered_map<TileKey, std::unordered_map<TileKey, std::int64_t>> shared;
+    for (const auto& tile : candidates_.tiles) {
+        work.push_back({tile.key, work_[tile.key]});
+        for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
+            if (candidates_.b[c] < state_.n_held()) {
+                const TileKey other = domain_.grid().key(state_.x_ref[candidates_.b[c]]);
+                if (other != tile.key) {
+                    ++shared[tile.key][other];
+                }
+            }
+        }
+    }
+    std::vector<TileLink> links;
+    for (const auto& [a, others] : shared) {
+        for (const auto& [b, n] : others) {
+            links.push_back({a, b, n});
+        }
+    }
+    counters_.rebalanced += domain_.balance(work, links) ? 1 : 0;
+    work_.clear();
+}
+
+/// All ranks throw the same error, which names the lowest grain concerned.
+template <int D>
+void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h) const {
+    const auto& stage = scene_.stages[static_cast<std::size_t>(stage_)].name;
+    const auto where = fmt::format("step {} of stage '{}' (t = {} s)", stage_steps_ + 1, stage, time());
+    if ((flags & flag::through_wall) != 0) {
+        const auto who = -comm_.max(-faults.through_wall);
+        const std::string wall = who == faults.through_wall ? walls_.name(faults.wall) : std::string();
+        throw NumericalFailure(fmt::format("the centre of grain {} went through wall '{}' in {}: overlaps grow without "
+                                           "bound there; take more solver.sweeps or a smaller solver.h",
+                                           who, comm_.first_error(wall), where));
+    }
+    GlobalId mine = PackFaults::none;
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        double jump = 0;
+        for (int d = 0; d < D; ++d) {
+            const double move = state_.x_mid[i][d] - state_.x[i][d] + h * state_.u[i].v[d];
+            jump += move * move;
+        }
+        const bool bad = (flags & flag::not_finite) != 0 ? !std::isfinite(jump)
+                                                         : !(jump < std::pow(domain_.largest_margin(r_max_), 2));
+        if (bad && state_.id[i] < mine) {
+            mine = state_.id[i];
+        }
+    }
+    const auto who = -comm_.max(-mine);
+    if ((flags & flag::not_finite) != 0) {
+        throw NumericalFailure(fmt::format("the velocity of grain {} is not finite in {}; two grains may share a centre, or an "
+                                           "input number is out of proportion", who, where));
+    }
+    throw NumericalFailure(fmt::format("grain {} would move more than {} m in {}, farther than tiles allow; take a smaller "
+                                       "solver.h or a larger tiles.side", who, domain_.largest_margin(r_max_), where));
+}
+
+template class Simulation<2>;
+
+} // namespace nappe
