@@ -20,11 +20,13 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     table.read("max_sweeps", solver.max_sweeps, {1, "give the most sweeps of a step"});
     table.read("check_every", solver.check_every, {1, "give the sweeps between two looks at the residual"});
     table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
-    if (solver.tolerance && solver.max_sweeps < solver.sweeps) {
-        table.problem(
-            table.has("max_sweeps") || !table.has("sweeps") ? "max_sweeps" : "sweeps",
-            fmt::format("max_sweeps ({}) must be >= sweeps ({}) with a tolerance", solver.max_sweeps, solver.sweeps),
-            "raise max_sweeps or lower sweeps");
+    const bool concerned = table.has("tolerance") || table.has("max_sweeps") || table.has("sweeps");
+    if (concerned && solver.tolerance && solver.max_sweeps < solver.sweeps) {
+        const bool blame_most = table.has("max_sweeps") || !table.has("sweeps");
+        table.problem(blame_most ? "max_sweeps" : "sweeps",
+                      blame_most ? fmt::format("must be >= sweeps = {} with a tolerance", solver.sweeps)
+                                 : fmt::format("must be <= max_sweeps = {} with a tolerance", solver.max_sweeps),
+                      "raise max_sweeps or lower sweeps");
     }
 }
 

@@ -174,7 +174,8 @@ void read_materials(const TableReader& top, Scene<2>& scene) {
     scene.materials.push_back({"wall", 0});
     for (const auto& [name, table] : top.named_tables("materials", "[materials.NAME]", "write [materials.rock]")) {
         Material material{name, 0};
-        table.read("density", material.density, positive("kg/m³", "leave it out for a material of walls"));
+        table.read("density", material.density,
+                   positive("kg/m³", "give the mass per area, or leave it out if only walls are made of it"));
         if (name == "wall") {
             scene.materials.front() = material;
         } else {

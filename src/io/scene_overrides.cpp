@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,19 @@ namespace {
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t");
     return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// Fit for a message: on one line and not endless.
+std::string one_line(std::string_view text) {
+    constexpr std::size_t most = 100;
+    std::size_t end = std::min(most, text.size());
+    while (end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
+        --end; // not within a character of UTF-8
+    }
+    std::string line(text.substr(0, end));
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+    return end < text.size() ? line + "…" : line;
 }
 
 /// A document of exactly one (dotted) key; none if the value is not TOML, or is more than a value.
@@ -40,7 +54,7 @@ toml::table parse_value(const std::string& key, std::string_view value, const st
     if (!document) {
         throw InputError(fmt::format("{}: the value must be TOML on one line (0.5, true, [1, 0], {{ every = 10 }}, "
                                      "\"text\" or a bare word), found {}; mind the shell's own quotes",
-                                     place, value.empty() ? "nothing" : fmt::format("\"{}\"", value)));
+                                     place, value.empty() ? "nothing" : fmt::format("\"{}\"", one_line(value))));
     }
     return std::move(*document);
 }
@@ -59,7 +73,7 @@ toml::table parse_value(const std::string& key, std::string_view value, const st
 } // namespace
 
 void apply_override(toml::table& root, const std::string& text) {
-    const std::string place = "--set " + text;
+    const std::string place = "--set " + one_line(text);
     const auto equals = text.find('=');
     const auto key = trimmed(std::string_view(text).substr(0, equals));
     const auto segments = split_path(key);
@@ -71,7 +85,7 @@ void apply_override(toml::table& root, const std::string& text) {
         throw InputError(
             fmt::format("{}: must be KEY=VALUE with a dotted KEY of letters, digits, _ and -, found \"{}\"; "
                         "for example --set solver.h=0.01 or walls.piston.motion.velocity=[1,0]",
-                        place, text));
+                        place, one_line(text)));
     }
     const auto value = trimmed(std::string_view(text).substr(equals + 1));
 

@@ -101,7 +101,9 @@ std::string shown(const toml::node& node) {
         return fmt::format("\"{}\"", text->get());
     }
     if (const auto* number = node.as_floating_point()) {
-        return fmt::format("{}", number->get());
+        // 80.0 keeps its point: it may be just what is wrong with it.
+        const auto digits = fmt::format("{}", number->get());
+        return digits.find_first_not_of("-0123456789") == std::string::npos ? digits + ".0" : digits;
     }
     if (const auto* number = node.as_integer()) {
         return fmt::format("{}", number->get());

@@ -87,6 +87,19 @@ void check_wall_points(const Scene<2>& scene, Problems& problems) {
     }
 }
 
+/// Whether all points lie on one line, up to round-off.
+bool is_flat(const std::vector<Vec<2>>& points) {
+    Vec<2> longest = Vec<2>::Zero();
+    for (const auto& p : points) {
+        const Vec<2> reach = p - points[0];
+        longest = reach.squaredNorm() > longest.squaredNorm() ? reach : longest;
+    }
+    return std::all_of(points.begin(), points.end(), [&](const Vec<2>& p) {
+        const Vec<2> reach = p - points[0];
+        return std::abs(longest[0] * reach[1] - longest[1] * reach[0]) <= 1e-12 * longest.squaredNorm();
+    });
+}
+
 /// True if the profile is a sound polygon that has room for a grain.
 bool check_profile(const Sample<2>& sample, Problems& problems) {
     const auto& profile = sample.profile;
@@ -96,26 +109,23 @@ bool check_profile(const Sample<2>& sample, Problems& problems) {
                                        profile.size()));
         return false;
     }
-    for (std::size_t k = 0; k < profile.size(); ++k) {
-        const std::size_t before = k > 0 ? k - 1 : profile.size() - 1;
-        if (profile[k] == profile[before]) {
+    for (std::size_t k = 1; k < profile.size(); ++k) {
+        if (profile[k] == profile[k - 1]) {
             problems.add(
                 fmt::format("{}.{}", path, k),
-                fmt::format("must differ from the point before it, found {} twice; remove one (the polygon closes "
-                            "by itself)",
-                            shown(profile[k])));
+                fmt::format("must differ from the point before it, found {} twice; remove one", shown(profile[k])));
             return false;
         }
     }
-    // Relative to the box: round-off must not make an area of a line.
-    Vec<2> low = profile[0];
-    Vec<2> high = profile[0];
-    for (const auto& p : profile) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
+    if (profile.front() == profile.back()) {
+        problems.add(
+            fmt::format("{}.{}", path, profile.size() - 1),
+            fmt::format("must differ from the first point, found {} again; remove it, the polygon closes by itself",
+                        shown(profile.back())));
+        return false;
     }
-    if (!(area(profile) > 1e-12 * (high - low).squaredNorm())) {
-        problems.add(path, fmt::format("must enclose an area > 0 [m²], found {}; check the corners", area(profile)));
+    if (is_flat(profile)) {
+        problems.add(path, "must enclose an area > 0 [m²], found all points on one line; check the corners");
         return false;
     }
     if (const auto edges = crossing_edges(profile)) {

@@ -41,7 +41,6 @@ std::string read_name(const TableReader& element, const std::vector<std::string>
     }
     if (std::find(taken.begin(), taken.end(), name) != taken.end()) {
         element.problem("name", fmt::format("must be the only {} of that name", kind), "rename one of them");
-        return "";
     }
     return name;
 }

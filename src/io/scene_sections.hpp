@@ -22,7 +22,7 @@ void read_tiles(const TableReader& top, Scene<2>& scene);
 void read_balance(const TableReader& top, Scene<2>& scene);
 void read_output(const TableReader& top, Scene<2>& scene);
 
-/// A name that no earlier element of the array has; "" and a problem otherwise. `kind` for the message: "wall". Local.
+/// The element's name; a problem if an earlier element has it too, "" and a problem if it is none. `kind` for the message: "wall". Local.
 std::string read_name(const TableReader& element, const std::vector<std::string>& taken, std::string_view kind);
 
 } // namespace nappe::scene_file

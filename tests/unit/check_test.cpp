@@ -1,0 +1,61 @@
+// The estimates of `nappe check`, against counts by hand.
+#include "commands/check.hpp"
+
+#include "scene_examples.hpp"
+
+#include "io/scene_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace nappe {
+namespace {
+
+/// 100 m² of disks of radius 0.5 m, 300 steps of 60 sweeps in 3 substeps (each 20), after a stage that settles.
+Scene<2> square() {
+    return parse_scene(test::sound_scene, "good.toml",
+                       {"sample.radius={ law = \"constant\", value = 0.5 }",
+                        "sample.profile=[[0,0],[10,0],[10,10],[0,10]]", "grains=[]",
+                        "solver={ h = 0.01, sweeps = 60, substeps = 3 }", "stages.push.duration=3",
+                        "walls.piston.motion.stop=2", "output.frames.every=40"});
+}
+
+TEST(check, estimates_follow_from_the_scene) {
+    const CostModel cost{.ns_per_relaxation = 10,
+                         .bytes_per_grain = 100,
+                         .bytes_per_contact = 50,
+                         .frame_bytes_per_grain = 80,
+                         .frame_bytes_per_contact = 40};
+    const auto e = estimate(square(), cost);
+    const double grains = 83 / (std::numbers::pi * 0.25);
+    const double round_off = 1e-12; // a handful of products and quotients
+    EXPECT_NEAR(e.grains / grains, 1, round_off);
+    EXPECT_NEAR(e.contacts / (2.1 * grains), 1, round_off);
+    EXPECT_NEAR(e.memory / (grains * (100 + 50 * 2.6)), 1, round_off);
+    EXPECT_EQ(e.loading_steps, 300) << "settling does not count";
+    EXPECT_NEAR(e.relaxations / (2.1 * grains * 300 * 60), 1, round_off);
+    EXPECT_NEAR(e.seconds / (1e-8 * e.relaxations), 1, round_off);
+    EXPECT_EQ(e.frames, 9) << "the first, 40, 80 … 280, and the last";
+    EXPECT_NEAR(e.disk / (9 * grains * (80 + 40 * 2.1)), 1, round_off);
+}
+
+TEST(check, sweeps_are_divided_among_substeps_and_rounded_up) {
+    auto scene = square();
+    const double even = estimate(scene, {}).relaxations;
+    scene.stages[1].solver.sweeps = 61; // 3 x 21
+    EXPECT_NEAR(estimate(scene, {}).relaxations / even, 63.0 / 60.0, 1e-12);
+}
+
+TEST(check, summary_names_what_the_scene_holds) {
+    const auto text = describe(square(), {}, 4);
+    for (const auto* part : {"box of disks", "dimension  2", "floor: 2 points of wall, fixed",
+                             "piston: 2 points of steel, moves at [0.5, 0] m/s from stage push to 2 s",
+                             "rock - rock: frictional, friction 0.4", "push: 3 s, 300 steps", "3 substeps, 60 sweeps",
+                             "cells      2", "a rank on 4", "frames     9"}) {
+        EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
+    }
+}
+
+} // namespace
+} // namespace nappe

@@ -1,0 +1,345 @@
+// The scene file: every key arrives in its field, every rule gives its message, overrides, the jobs of the repository,
+// and docs/scene.md against the keys that the reader knows.
+#include "bad_scenes.hpp"
+#include "scene_examples.hpp"
+
+#include "core/error.hpp"
+#include "io/scene_keys.hpp"
+#include "io/scene_reader.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace nappe {
+namespace {
+
+using test::sound_scene;
+
+const std::string source_dir = NAPPE_SOURCE_DIR;
+
+std::string shown(const Vec<2>& v) {
+    return fmt::format("({:a}, {:a})", v[0], v[1]);
+}
+
+std::string shown(const SolverSettings& s) {
+    return fmt::format("method {} h {:a} substeps {} theta {:a} sweeps {} tolerance {:a} max {} every {}",
+                       static_cast<int>(s.method), s.h, s.substeps, s.theta, s.sweeps, s.tolerance.value_or(-1),
+                       s.max_sweeps, s.check_every);
+}
+
+/// Every field of a scene but its text, to the last bit.
+std::string fields(const Scene<2>& scene) {
+    std::string text =
+        fmt::format("title {} gravity {} origin {}\n", scene.title, shown(scene.gravity), shown(scene.origin));
+    for (const auto& m : scene.materials) {
+        text += fmt::format("material {} {:a}\n", m.name, m.density);
+    }
+    for (const auto& l : scene.laws) {
+        text += fmt::format("law {} {} {:a} {:a}\n", l.material_a, l.material_b, l.friction, l.restitution);
+    }
+    if (scene.sample) {
+        const auto& s = *scene.sample;
+        text += fmt::format("sample {} {} {:a} {:a} {} profile", s.material, static_cast<int>(s.radii.kind),
+                            s.radii.min, s.radii.max, s.seed);
+        for (const auto& p : s.profile) {
+            text += shown(p);
+        }
+        for (const auto& top : s.layer_tops) {
+            text += fmt::format(" top {:a}", top);
+        }
+        text += "\n";
+    }
+    for (const auto& g : scene.grains) {
+        text += fmt::format("grain {} {:a} {} {} {:a} {}\n", g.material, g.radius, shown(g.position), shown(g.velocity),
+                            g.spin[0], g.layer);
+    }
+    for (const auto& w : scene.walls) {
+        text += fmt::format("wall {} {} ", w.name, w.material);
+        for (const auto& p : w.points) {
+            text += shown(p);
+        }
+        if (w.motion) {
+            text += fmt::format(" motion {} {} {:a} {:a}", shown(w.motion->velocity), w.motion->stage, w.motion->start,
+                                w.motion->stop.value_or(-1));
+        }
+        text += "\n";
+    }
+    for (const auto& s : scene.stages) {
+        text += fmt::format("stage {} {:a} {}", s.name, s.duration, shown(s.solver));
+        if (s.until) {
+            text += fmt::format(" until {:a} {:a} {:a}", s.until->kinetic, s.until->residual, s.until->at_most);
+        }
+        text += "\n";
+    }
+    const auto& o = scene.output;
+    text += fmt::format("output {} {} {:a}", o.frames_every, o.series_every, o.front_bin);
+    for (const auto& c : o.cells) {
+        text += fmt::format(" cell {} {} {:a}", c.name, shown(c.centre), c.radius);
+    }
+    return text + fmt::format("\ntiles {:a} {:a} {:a} balance {:a} {}\n", scene.tiles.side, scene.tiles.skin,
+                              scene.tiles.lookahead, scene.balance.threshold, scene.balance.every);
+}
+
+std::string error_of(std::string_view text, const std::vector<std::string>& overrides = {}) {
+    try {
+        parse_scene(text, "bad.toml", overrides);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+std::string file_error(const std::string& path) {
+    try {
+        read_scene(path);
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+TEST(scene_reader, every_key_arrives_in_its_field) {
+    const auto scene = parse_scene(sound_scene, "good.toml");
+    Scene<2> expected;
+    expected.title = "box of disks";
+    expected.gravity = {0, -9.81};
+    expected.origin = {-1.5, 0};
+    expected.materials = {{"wall", 0}, {"rock", 2800}, {"steel", 0}};
+    expected.laws = {{1, 1, 0.4, 0}, {2, 1, 0.3, 0.5}, {1, 0, 0, 0}};
+    expected.sample = Sample<2>{.material = 1,
+                                .radii = {RadiusLaw::Kind::uniform, 0.42, 0.56},
+                                .profile = {{0, 0}, {20, 0}, {20, 5}, {8, 5}, {5, 10}, {0, 10}},
+                                .layer_tops = {1.5, 3, 4.5},
+                                .seed = 7};
+    SingleGrain<2> grain{.material = 1, .radius = 0.5, .position = {10, 12}, .velocity = {0, -1}, .layer = 4};
+    grain.spin[0] = 2.5;
+    expected.grains = {grain};
+    expected.walls = {
+        {"floor", 0, {{0, 0}, {20, 0}}, std::nullopt},
+        {"piston", 2, {{0, 20}, {0, 0}}, Motion<2>{.velocity = {0.5, 0}, .stage = 1, .stop = 8}},
+        {"lid", 0, {{25, 0}, {25, 30}}, Motion<2>{.velocity = {0, 0.1}, .start = 2, .stop = {}}},
+    };
+    const SolverSettings base{
+        .h = 0.025, .substeps = 2, .theta = 0.6, .sweeps = 80, .tolerance = 1e-5, .max_sweeps = 500, .check_every = 20};
+    auto settling = base;
+    settling.h = 0.01;
+    settling.sweeps = 300;
+    expected.stages = {{"settle", SettleCriterion{1e-7, 1e-3, 50}, 0, settling}, {"push", std::nullopt, 10, base}};
+    expected.output = {40, 5, {{"W1", {3, 3}, 2}, {"W2", {9, 2}, 1.5}}, 1.5};
+    expected.tiles = {8, 0.05, 4};
+    expected.balance = {1.1, 100};
+    EXPECT_EQ(fields(scene), fields(expected));
+}
+
+TEST(scene_reader, what_is_left_out_has_the_defaults_of_the_model) {
+    const auto scene = parse_scene(R"(
+materials.rock.density = 1
+laws = [{ between = ["rock", "rock"], type = "frictional", friction = 0 }]
+grains = [{ material = "rock", radius = 1, position = [0, 0] }]
+stages = [{ name = "fall", duration = 1 }]
+solver.h = 0.1)",
+                                   "least.toml");
+    Scene<2> expected;
+    expected.materials = {{"wall", 0}, {"rock", 1}};
+    expected.laws = {{1, 1, 0, 0}};
+    expected.grains = {{.material = 1, .radius = 1}};
+    expected.stages = {{.name = "fall", .until = {}, .duration = 1, .solver = {.h = 0.1, .tolerance = {}}}};
+    EXPECT_EQ(fields(scene), fields(expected));
+}
+
+TEST(scene_reader, constant_radius_and_layers_by_their_tops) {
+    const auto scene = parse_scene(sound_scene, "good.toml",
+                                   {"sample.radius={ law = \"constant\", value = 0.5 }", "sample.layers=[1, 2.5]"});
+    EXPECT_EQ(scene.sample->radii.kind, RadiusLaw::Kind::constant);
+    EXPECT_EQ(scene.sample->radii.min, 0.5);
+    EXPECT_EQ(scene.sample->radii.max, 0.5);
+    EXPECT_EQ(scene.sample->layer_tops, (std::vector<double>{1, 2.5}));
+}
+
+TEST(scene_reader, scene_as_run_parses_to_the_same_scene) {
+    // Overrides of every kind, and numbers whose shortest decimals are not exact in binary.
+    const std::vector<std::string> overrides = {"solver.h=0.1",
+                                                "walls.lid.points=[[30,0.1],[30,0.3]]",
+                                                "tiles.side=9.7",
+                                                "stages.push.solver.sweeps=123",
+                                                "output.cells.W2.radius=0.7",
+                                                "title=\"it's \\\"quoted\\\" – ü\""};
+    const auto first = parse_scene(sound_scene, "good.toml", overrides);
+    const auto second = parse_scene(first.text, "scene.toml");
+    EXPECT_EQ(fields(first), fields(second));
+    EXPECT_EQ(first.text, second.text);
+}
+
+TEST(scene_reader, overrides_reach_tables_named_elements_and_indices) {
+    const auto scene = parse_scene(sound_scene, "good.toml",
+                                   {"walls.piston.motion.velocity=[1,0]", "stages.push.duration=20",
+                                    "laws.0.friction=0.2", "output.cells.W2.radius=3", "solver.tolerance=1e-6",
+                                    "stages.push.solver.sweeps=7", "world.gravity.1=-1.62", "solver.method=nsgs",
+                                    "title=box", "tiles.side = 9", "solver.h=0.5", "solver.h=0.05"});
+    EXPECT_EQ(scene.walls[1].motion->velocity, Vec<2>(1, 0));
+    EXPECT_EQ(scene.walls[1].motion->stage, 1) << "the rest of the table must stay";
+    EXPECT_EQ(scene.stages[1].duration, 20);
+    EXPECT_EQ(scene.laws[0].friction, 0.2);
+    EXPECT_EQ(scene.output.cells[1].radius, 3);
+    EXPECT_EQ(scene.stages[1].solver.tolerance, 1e-6);
+    EXPECT_EQ(scene.stages[1].solver.sweeps, 7);
+    EXPECT_EQ(scene.stages[0].solver.sweeps, 300);
+    EXPECT_EQ(scene.gravity, Vec<2>(0, -1.62));
+    EXPECT_EQ(scene.title, "box") << "a bare word is a string";
+    EXPECT_EQ(scene.tiles.side, 9);
+    EXPECT_EQ(scene.stages[1].solver.h, 0.05) << "the last of two counts";
+}
+
+TEST(scene_reader, an_override_creates_a_table_that_the_file_leaves_out) {
+    std::string text(sound_scene);
+    text.erase(text.find("[balance]"), text.find("[output]") - text.find("[balance]"));
+    EXPECT_EQ(parse_scene(text, "good.toml").balance.every, BalanceSettings{}.every);
+    EXPECT_EQ(parse_scene(text, "good.toml", {"balance.every=7"}).balance.every, 7);
+}
+
+class BadScenes : public testing::TestWithParam<test::BadScene> {};
+
+TEST_P(BadScenes, give_their_message) {
+    const auto& bad = GetParam();
+    std::string text(sound_scene);
+    const std::string find = bad.find;
+    if (!find.empty()) {
+        const auto at = text.find(find);
+        ASSERT_NE(at, std::string::npos) << "the edit no longer applies";
+        ASSERT_EQ(text.find(find, at + 1), std::string::npos) << "the edit is ambiguous";
+        text.replace(at, find.size(), bad.replace);
+    }
+    EXPECT_EQ(error_of(text, bad.overrides), bad.message);
+}
+
+INSTANTIATE_TEST_SUITE_P(scene_reader, BadScenes, testing::ValuesIn(test::bad_scenes),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST(scene_reader, more_than_64_cells_are_refused_and_64_are_not) {
+    std::string cells;
+    for (int k = 0; k < 64; ++k) {
+        cells += fmt::format("{{ name = \"c{}\", centre = [1, 1], radius = 1 }},", k);
+    }
+    EXPECT_EQ(parse_scene(sound_scene, "good.toml", {"output.cells=[" + cells + "]"}).output.cells.size(), 64u);
+    const auto error =
+        error_of(sound_scene, {"output.cells=[" + cells + "{ name = \"last\", centre = [1, 1], radius = 1 }]"});
+    EXPECT_NE(error.find("output.cells: must be at most 64, found an array of 65 values"), std::string::npos) << error;
+}
+
+TEST(scene_reader, walls_and_grains_may_touch_the_profile) {
+    // Along an edge, across a corner without entering, and a grain that just clears the top at y = 5.
+    const auto on_edge = "walls.lid.points=[[20, -3], [20, 30]]";
+    const auto at_corner = "walls.lid.points=[[18, 7], [22, 3]]";
+    const auto resting = "grains.0.position=[12, 5.5]";
+    for (const auto* edit : {on_edge, at_corner, resting}) {
+        EXPECT_EQ(error_of(sound_scene, {edit}), "accepted") << edit;
+    }
+    // A millimetre further in, each is refused.
+    for (const auto* edit : {"walls.lid.points=[[19.999, -3], [19.999, 30]]",
+                             "walls.lid.points=[[18, 6.999], [22, 2.999]]", "grains.0.position=[12, 5.499]"}) {
+        EXPECT_NE(error_of(sound_scene, {edit}).find("out of sample.profile"), std::string::npos) << edit;
+    }
+}
+
+TEST(scene_reader, a_profile_of_one_grain_is_wide_enough) {
+    // Radii 0.42 to 0.56 m: 1.12 m holds the largest, 1.11 m is 1 % short of it.
+    const auto strip = [](double width) {
+        return fmt::format("sample.profile=[[0,0],[20,0],[20,{0}],[0,{0}]]", width);
+    };
+    EXPECT_EQ(error_of(sound_scene, {strip(1.12)}), "accepted");
+    EXPECT_NE(error_of(sound_scene, {strip(1.11)}).find("must have room for a grain"), std::string::npos);
+}
+
+TEST(scene_reader, files_that_are_no_scenes) {
+    const auto folder = std::filesystem::temp_directory_path() /
+                        fmt::format("nappe_scene_{}", testing::UnitTest::GetInstance()->random_seed());
+    std::filesystem::create_directories(folder);
+    const auto empty = (folder / "empty.toml").string();
+    std::ofstream(empty) << " \n";
+    EXPECT_EQ(file_error(folder.string()),
+              folder.string() + ": must be a scene file, found a directory; name the .toml file in it");
+    EXPECT_EQ(file_error((folder / "none.toml").string()),
+              (folder / "none.toml").string() +
+                  ": must be a readable scene file, found: No such file or directory; check the path");
+    EXPECT_EQ(file_error(empty), empty + ": must hold a scene, found an empty file; docs/scene.md has an example");
+    std::filesystem::remove_all(folder);
+}
+
+TEST(scene_reader, the_small_fold_is_the_fold_at_quarter_scale) {
+    const auto fold = read_scene(source_dir + "/jobs/fold.toml");
+    auto scaled = read_scene(source_dir + "/jobs/fold-small.toml");
+    scaled.title = fold.title;
+    for (auto& p : scaled.sample->profile) {
+        p *= 4;
+    }
+    for (auto& top : scaled.sample->layer_tops) {
+        top *= 4;
+    }
+    for (auto& wall : scaled.walls) {
+        for (auto& p : wall.points) {
+            p *= 4;
+        }
+    }
+    for (auto& cell : scaled.output.cells) {
+        cell.centre *= 4;
+        cell.radius *= 4;
+    }
+    for (auto& stage : scaled.stages) {
+        stage.duration *= 4;
+    }
+    EXPECT_EQ(fields(scaled), fields(fold));
+}
+
+/// key -> the table whose heading it stands under, as "table key" lines, from the rows "| `key` |" of docs/scene.md.
+std::vector<std::string> documented_keys() {
+    std::ifstream file(source_dir + "/docs/scene.md");
+    std::vector<std::string> found;
+    std::string table;
+    for (std::string line; std::getline(file, line);) {
+        const auto open = line.find('`');
+        const auto close = line.find('`', open + 1);
+        if (open == std::string::npos || close == std::string::npos) {
+            table = line.starts_with("## ") ? line.substr(3) : table;
+            continue;
+        }
+        const auto code = line.substr(open + 1, close - open - 1);
+        if (line.starts_with("## ")) {
+            table = code;
+        } else if (line.starts_with("| `")) {
+            found.push_back(table + " " + code);
+        }
+    }
+    return found;
+}
+
+TEST(scene_reader, docs_list_the_keys_that_the_reader_knows_and_no_others) {
+    std::vector<std::string> known;
+    for (const auto& table : scene_file::all_keys()) {
+        for (const auto& key : table.keys) {
+            known.push_back(fmt::format("{} {}", table.table, key));
+        }
+    }
+    auto documented = documented_keys();
+    std::sort(known.begin(), known.end());
+    std::sort(documented.begin(), documented.end());
+    EXPECT_EQ(documented, known);
+}
+
+TEST(scene_reader, the_example_of_the_docs_is_sound) {
+    std::ifstream file(source_dir + "/docs/scene.md");
+    std::ostringstream all;
+    all << file.rdbuf();
+    const auto text = all.str();
+    const auto start = text.find("```toml\n");
+    ASSERT_NE(start, std::string::npos);
+    const auto end = text.find("```\n", start + 8);
+    EXPECT_EQ(error_of(text.substr(start + 8, end - start - 8)), "accepted");
+}
+
+} // namespace
+} // namespace nappe
