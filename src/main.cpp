@@ -1,1 +1,115 @@
-int main() { return 0; }
+#include "commands/check.hpp"
+#include "commands/run.hpp"
+#include "core/error.hpp"
+#include "io/summary.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace {
+
+using nappe::ExitCode;
+
+/// Says it once, on rank 0: errors are the same on all ranks.
+int failed(const nappe::Communicator& world, const char* what, ExitCode code) {
+    if (world.is_root()) {
+        std::fprintf(stderr, "nappe: %s\n", what);
+    }
+    return static_cast<int>(code);
+}
+
+struct Arguments {
+    nappe::RunOptions run;
+    nappe::CostModel cost;
+    int ranks = 2;
+};
+
+void define(CLI::App& app, Arguments& arguments) {
+    app.description("nappe: contact dynamics of large collections of rigid grains, on any number of MPI ranks");
+    app.set_version_flag("--version", std::string(nappe::program_version()));
+    app.require_subcommand(1);
+    app.footer("Exit codes: 0 done, 2 bad input, 3 stopped early, 4 numerical failure, 1 anything else.");
+    const auto scene_of = [&](CLI::App* command) {
+        command->add_option("scene", arguments.run.scene, "scene file (TOML; docs/scene.md)")->required();
+        command->add_option("--set", arguments.run.overrides, "override a key: --set solver.h=0.01 (may be repeated)")
+            ->type_name("KEY=VALUE")
+            ->allow_extra_args(false)
+            ->take_all();
+    };
+    auto* run = app.add_subcommand("run", "run a scene; start it under mpirun for several ranks");
+    scene_of(run);
+    run->add_option("--out", arguments.run.out, "folder for the results [out/NAME OF THE SCENE]")->type_name("DIR");
+    run->add_option("--samples", arguments.run.samples, "folder that keeps settled samples [samples beside DIR]")
+        ->type_name("DIR");
+    run->add_option("--steps", arguments.run.steps, "stop after this many steps of loading")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber);
+    run->add_option("--kernel", arguments.run.kernel,
+                    "instruction set of the sweep: portable, avx2 or avx512 [the fastest here]; results are the same");
+    auto* check = app.add_subcommand("check", "validate a scene; estimate grains, memory and work");
+    scene_of(check);
+    check->add_option("--ranks", arguments.ranks, "estimate for this many ranks [2]");
+    check->add_option("--ns", arguments.cost.ns_per_relaxation, "nanoseconds per relaxation and rank to assume");
+}
+
+int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& arguments) {
+    if (app.got_subcommand("check")) {
+        std::string error;
+        int code = static_cast<int>(ExitCode::done);
+        if (world.is_root()) {
+            try {
+                code = nappe::check(arguments.run.scene, arguments.run.overrides, arguments.cost, arguments.ranks);
+            } catch (const nappe::InputError& e) {
+                error = e.what();
+            }
+        }
+        world.throw_together<nappe::InputError>(error);
+        return code;
+    }
+    auto& options = arguments.run;
+    if (options.out.empty()) {
+        options.out = std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
+    }
+    if (options.samples.empty()) {
+        options.samples = std::filesystem::absolute(options.out).lexically_normal().parent_path() / "samples";
+    }
+    return static_cast<int>(nappe::run(world, options));
+}
+
+int guarded(const nappe::Communicator& world, const CLI::App& app, Arguments& arguments) {
+    try {
+        return dispatch(world, app, arguments);
+    } catch (const nappe::InputError& e) {
+        return failed(world, e.what(), ExitCode::bad_input);
+    } catch (const nappe::NumericalFailure& e) {
+        return failed(world, e.what(), ExitCode::numerical_failure);
+    } catch (const nappe::SystemError& e) {
+        return failed(world, e.what(), ExitCode::other);
+    } catch (const std::exception& e) {
+        // Not one that ranks agreed on: the others may be waiting, so the whole job ends here.
+        std::fprintf(stderr, "nappe: rank %d: %s\n", world.rank(), e.what());
+        world.abort(static_cast<int>(ExitCode::other));
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    nappe::MpiSession mpi(argc, argv);
+    const nappe::Communicator world;
+    CLI::App app;
+    Arguments arguments;
+    define(app, arguments);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        const bool asked = e.get_exit_code() == 0; // --help, --version
+        if (world.is_root()) {
+            app.exit(e);
+        }
+        return static_cast<int>(asked ? ExitCode::done : ExitCode::bad_input);
+    }
+    return guarded(world, app, arguments);
+}

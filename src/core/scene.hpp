@@ -122,8 +122,8 @@ struct Output {
 
 struct TileSettings {
     double side = 0;      ///< S [m]; 0: 16 r_max
-    double skin = 0;      ///< least distance two grains may approach before the next rebuild [m]; 0: 0.08 r_max
-    double lookahead = 6; ///< steps for which a moving grain's margin should last
+    double skin = 0;      ///< least distance two grains may approach before the next rebuild [m]; 0: 0.3 r_max
+    double lookahead = 12; ///< steps for which a moving grain's margin should last
 };
 
 struct BalanceSettings {

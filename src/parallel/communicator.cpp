@@ -1,6 +1,7 @@
 #include "parallel/communicator.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 
 namespace nappe {
@@ -37,6 +38,11 @@ Communicator::~Communicator() {
 Communicator::Communicator(Communicator&& other) noexcept
     : handle_(other.handle_), rank_(other.rank_), size_(other.size_) {
     other.handle_ = MPI_COMM_NULL;
+}
+
+void Communicator::abort(int code) const {
+    MPI_Abort(handle_, code);
+    std::abort();
 }
 
 void Communicator::barrier() const {

@@ -26,8 +26,8 @@ public:
 /// A duplicate of an MPI communicator, freed with its owner. Every member is **collective** unless it says Local.
 class Communicator {
 public:
-    /// Duplicates `parent`; MPI_COMM_WORLD in main, MPI_COMM_SELF in serial tests.
-    explicit Communicator(MPI_Comm parent);
+    /// Duplicates `parent`; all ranks of the job by default, MPI_COMM_SELF in serial tests.
+    explicit Communicator(MPI_Comm parent = MPI_COMM_WORLD);
     ~Communicator();
     Communicator(Communicator&& other) noexcept;
     Communicator(const Communicator&) = delete;
@@ -38,6 +38,9 @@ public:
     int size() const { return size_; }               ///< Local.
     bool is_root() const { return rank_ == 0; }      ///< Local.
     MPI_Comm handle() const { return handle_; }      ///< Local; for parallel HDF5 only.
+
+    /// Local. Ends the whole job: for an error on one rank that the others can not know of.
+    [[noreturn]] void abort(int code) const;
 
     void barrier() const;
     std::int64_t sum(std::int64_t value) const;

@@ -25,11 +25,12 @@ Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const
     : comm_(comm), scene_(scene), walls_(scene.walls),
       domain_(comm, TileGrid<D>(scene.origin, tile_side(scene)), scene.balance), contacts_(scene, kernels),
       solver_(comm, watch_), sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
-    skin_ = scene.tiles.skin > 0 ? scene.tiles.skin : 0.08 * r_max_;
+    skin_ = scene.tiles.skin > 0 ? scene.tiles.skin : 0.3 * r_max_;
 }
 
 template <int D>
-void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses) {
+void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses, double h) {
+    impulse_h_ = h;
     const auto lap = watch_.lap(Timed::prepare);
     std::vector<GrainRecord<D>> records;
     records.reserve(grains.size());
@@ -71,6 +72,22 @@ void Simulation<D>::start_stage(int stage) {
     set_margins(settings().h / settings().substeps);
     rebuild();
     rebuild_due_ = false;
+    rescale_impulses(settings().h / settings().substeps);
+}
+
+/// A warm start hands on forces: r = f h.
+template <int D>
+void Simulation<D>::rescale_impulses(double h) {
+    if (h != impulse_h_) {
+        const double factor = h / impulse_h_;
+        for (auto& r : candidates_.r) {
+            r.n *= factor;
+            for (double& t : r.t) {
+                t *= factor;
+            }
+        }
+    }
+    impulse_h_ = h;
 }
 
 template <int D>

@@ -46,7 +46,8 @@ public:
     Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels);
 
     /// **Collective.** Takes a sample, rows in any order on any ranks. Wall displacements and clock go back to 0.
-    void load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses);
+    /// @param h the step [s] whose impulses these are.
+    void load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses, double h);
 
     /// **Collective.** The next steps belong to this stage. Rebuilds lists: every stage starts from the same state whether the
     /// one before it was computed or its result loaded.
@@ -101,6 +102,7 @@ private:
 
     void rebuild();
     void drive_walls();
+    void rescale_impulses(double h);
     void set_margins(double h);
     void widen_margins(double h);
     void rebalance_if_due();
@@ -125,6 +127,7 @@ private:
     double stage_start_ = 0;
     std::int64_t stage_steps_ = 0;
     bool rebuild_due_ = true;
+    double impulse_h_ = 0; ///< step [s] whose impulses the candidates hold: forces are kept where h changes
     std::vector<ContactRow<D>> waiting_; ///< impulses that came with the sample, until the first rebuild has candidates for them
     std::uint32_t agreed_ = 0;
     std::optional<Residual> last_residual_;

@@ -1,0 +1,199 @@
+#include "commands/prepare.hpp"
+
+#include "core/deposit.hpp"
+#include "core/error.hpp"
+#include "solver/observables.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <numbers>
+
+namespace nappe {
+
+namespace {
+
+constexpr int settle_check_every = 10; ///< steps between two looks at the criterion
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string text_of(const std::vector<Vec<2>>& points) {
+    std::string text;
+    for (const auto& p : points) {
+        text += fmt::format(" [{}, {}]", p[0], p[1]);
+    }
+    return text;
+}
+
+/// The grains before anything has moved: deposit, then single ones. Local, on the root.
+std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
+    std::vector<GrainRow<2>> rows;
+    if (scene.sample) {
+        const auto material = static_cast<std::size_t>(scene.sample->material);
+        rows = deposit(*scene.sample, scene.materials[material].density, scene.gravity);
+        for (auto& row : rows) {
+            row.material = scene.sample->material;
+        }
+    }
+    for (const auto& single : scene.grains) {
+        GrainRow<2> row;
+        row.id = static_cast<GlobalId>(rows.size());
+        row.x = {single.position[0], single.position[1]};
+        row.v = {single.velocity[0], single.velocity[1]};
+        row.spin = {single.spin[0]};
+        row.radius = single.radius;
+        row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi * single.radius *
+                   single.radius;
+        row.material = single.material;
+        row.layer = single.layer;
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+struct SettleState {
+    double kinetic = 0;  ///< over weight times mean radius
+    double residual = 0;
+};
+
+SettleState settle_state(const Simulation<2>& simulation) {
+    const double scale = simulation.total_mass() * simulation.scene().gravity.norm() * simulation.mean_radius();
+    const double kinetic = energies(simulation).kinetic;
+    return {scale > 0 ? kinetic / scale : kinetic,
+            simulation.last_residual() ? simulation.last_residual()->largest : 0.0};
+}
+
+void settle(Simulation<2>& simulation, int stage, Progress& progress, const volatile int& stop_signal) {
+    const auto& wanted = *simulation.scene().stages[static_cast<std::size_t>(stage)].until;
+    simulation.start_stage(stage);
+    progress.begin_stage(simulation.scene().stages[static_cast<std::size_t>(stage)].name, 0);
+    for (;;) {
+        const bool look = (simulation.stage_steps() + 1) % settle_check_every == 0;
+        const auto outside = simulation.step(stop_signal != 0 ? flag::outside_first : 0, look);
+        progress.update(simulation.stage_steps(), simulation.time());
+        if (outside != 0) {
+            throw StoppedEarly{};
+        }
+        if (!look) {
+            continue;
+        }
+        const auto now = settle_state(simulation);
+        if (now.kinetic <= wanted.kinetic && now.residual <= wanted.residual) {
+            break;
+        }
+        if (simulation.time() >= wanted.at_most) {
+            throw NumericalFailure(fmt::format(
+                "stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} (wanted {:.3g}), residual "
+                "{:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
+                simulation.scene().stages[static_cast<std::size_t>(stage)].name, wanted.at_most, now.kinetic,
+                wanted.kinetic, now.residual, wanted.residual));
+        }
+    }
+    progress.end_stage();
+    const auto end = settle_state(simulation);
+    progress.info(fmt::format("settled after {} steps: kinetic {:.3g}, residual {:.3g}", simulation.stage_steps(),
+                              end.kinetic, end.residual));
+}
+
+} // namespace
+
+SampleOrigin sample_origin(const Scene<2>& scene) {
+    std::string text = fmt::format("gravity [{}, {}] origin [{}, {}]\n", scene.gravity[0], scene.gravity[1],
+                                   scene.origin[0], scene.origin[1]);
+    for (const auto& m : scene.materials) {
+        text += fmt::format("material {} {}\n", m.name, m.density);
+    }
+    for (const auto& l : scene.laws) {
+        text += fmt::format("law {} {} friction {} restitution {}\n", l.material_a, l.material_b, l.friction, l.restitution);
+    }
+    if (scene.sample) {
+        const auto& s = *scene.sample;
+        text += fmt::format("sample {} radii {} {} {} seed {} layers {} profile{}\n", s.material,
+                            static_cast<int>(s.radii.kind), s.radii.min, s.radii.max, s.seed,
+                            fmt::join(s.layer_tops, " "), text_of(s.profile));
+    }
+    for (const auto& g : scene.grains) {
+        text += fmt::format("grain {} {} [{}, {}] [{}, {}] {} {}\n", g.material, g.radius, g.position[0], g.position[1],
+                            g.velocity[0], g.velocity[1], g.spin[0], g.layer);
+    }
+    for (const auto& w : scene.walls) {
+        text += fmt::format("wall {}{}", w.material, text_of(w.points));
+        if (w.motion && w.motion->stage >= 0 && scene.stages[static_cast<std::size_t>(w.motion->stage)].until) {
+            text += fmt::format(" moves [{}, {}] from stage {}", w.motion->velocity[0], w.motion->velocity[1],
+                                w.motion->stage);
+        }
+        text += "\n";
+    }
+    for (const auto& stage : scene.stages) {
+        if (stage.until) {
+            const auto& s = stage.solver;
+            text += fmt::format("settle {} {} h {} substeps {} theta {} sweeps {} tolerance {} {} {} method {}\n",
+                                stage.until->kinetic, stage.until->residual, s.h, s.substeps, s.theta, s.sweeps,
+                                s.tolerance.value_or(0.0), s.max_sweeps, s.check_every, static_cast<int>(s.method));
+        }
+    }
+    text += fmt::format("tiles {} {} {}\n", scene.tiles.side, scene.tiles.skin, scene.tiles.lookahead);
+    return {physics_revision, text};
+}
+
+Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& store, Progress& progress,
+                    const volatile int& stop_signal) {
+    const auto& scene = simulation.scene();
+    const auto& comm = simulation.comm();
+    Preparation report;
+    int n_settling = 0;
+    while (n_settling < static_cast<int>(scene.stages.size()) && scene.stages[static_cast<std::size_t>(n_settling)].until) {
+        ++n_settling;
+    }
+    const int last = n_settling > 0 ? n_settling - 1 : 0;
+    const auto& solver = scene.stages[static_cast<std::size_t>(last)].solver;
+    const double h = solver.h / solver.substeps;
+    const auto origin = sample_origin(scene);
+    if (n_settling > 0) {
+        const auto found = load_sample<2>(comm, store, origin);
+        if (found.sample) {
+            progress.info(fmt::format("settled sample: {} reused", sample_path(store, origin).string()));
+            simulation.load(found.sample->grains, found.sample->contacts, h);
+            report.reused = true;
+            return report;
+        }
+        progress.info("settled sample: to be made (" + found.reason + ")");
+    }
+
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<GrainRow<2>> grains;
+    std::string error;
+    if (comm.is_root()) {
+        try {
+            grains = initial_grains(scene);
+        } catch (const InputError& e) {
+            error = e.what();
+        }
+    }
+    comm.throw_together<InputError>(error);
+    report.deposit_seconds = seconds_since(start);
+    progress.info(fmt::format("deposited {} grains in {:.2f} s", grains.size(), report.deposit_seconds));
+    simulation.load(grains, {}, h);
+    if (n_settling == 0) {
+        return report;
+    }
+    for (int stage = 0; stage < n_settling; ++stage) {
+        settle(simulation, stage, progress, stop_signal);
+        report.settle_steps += simulation.stage_steps();
+    }
+    store_sample<2>(comm, store, origin, simulation.grain_rows(), simulation.contact_rows(),
+                    {{"settle_steps", report.settle_steps}});
+    const auto stored = load_sample<2>(comm, store, origin);
+    if (!stored.sample) {
+        throw SystemError(fmt::format("{}: the sample just stored can not be read back ({}); check the disk",
+                                      sample_path(store, origin).string(), stored.reason));
+    }
+    simulation.load(stored.sample->grains, stored.sample->contacts, h);
+    report.settle_seconds = seconds_since(start) - report.deposit_seconds;
+    return report;
+}
+
+} // namespace nappe

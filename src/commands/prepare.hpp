@@ -1,0 +1,35 @@
+#pragma once
+// From a scene to the state in which loading starts: deposit, settling stages, and the store in which a settled sample waits for
+// the next run that wants the same one.
+
+#include "io/progress.hpp"
+#include "io/sample_store.hpp"
+#include "solver/simulation.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace nappe {
+
+/// Counted up whenever a change of the code changes a bit of a settled sample: stored ones are then made anew.
+inline constexpr std::int64_t physics_revision = 1;
+
+/// Everything of a scene that its settled sample depends on, in one canonical text. Local.
+SampleOrigin sample_origin(const Scene<2>& scene);
+
+struct Preparation {
+    bool reused = false;          ///< the sample came from the store
+    std::int64_t settle_steps = 0; ///< of the stages that were run now
+    double deposit_seconds = 0;
+    double settle_seconds = 0;
+};
+
+/// **Collective.** Loads the simulation with the state at the end of its settling stages. A sample made now goes through the store
+/// and back, so that it is the same bits as one found there. Throws what the steps throw; NumericalFailure if a stage does not settle.
+Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& store, Progress& progress,
+                    const volatile int& stop_signal);
+
+/// Stopped by a signal while preparing. Exit code 3.
+struct StoppedEarly {};
+
+} // namespace nappe

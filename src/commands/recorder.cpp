@@ -1,0 +1,211 @@
+#include "commands/recorder.hpp"
+
+#include "core/contact_geometry.hpp"
+#include "core/error.hpp"
+#include "core/stress.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numbers>
+#include <span>
+
+namespace nappe {
+
+Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folder)
+    : simulation_(simulation), folder_(folder), index_(folder, 2) {
+    const auto& comm = simulation.comm();
+    std::string error;
+    if (comm.is_root()) {
+        for (const auto* part : {"frames", "series"}) {
+            std::error_code code;
+            std::filesystem::create_directories(folder / part, code);
+            if (code) {
+                error = fmt::format("{}: can not be made ({}); choose another --out folder", (folder / part).string(),
+                                    code.message());
+            }
+        }
+    }
+    comm.throw_together<SystemError>(error);
+    if (comm.is_root()) {
+        const auto path = [&](const std::string& name) { return folder / "series" / (name + ".csv"); };
+        for (const auto& cell : simulation.scene().output.cells) {
+            series_.cells.emplace_back(path("cell-" + cell.name),
+                                       std::vector<std::string>{"p", "q", "lambda_x", "lambda_y", "grains"});
+        }
+        for (const auto& wall : simulation.scene().walls) {
+            series_.walls.emplace_back(path("wall-" + wall.name),
+                                       std::vector<std::string>{"x", "y", "vx", "vy", "fx", "fy"});
+        }
+        series_.front = std::make_unique<SeriesWriter>(path("front"), std::vector<std::string>{"front"});
+        series_.energy = std::make_unique<SeriesWriter>(
+            path("energy"), std::vector<std::string>{"kinetic", "potential", "wall_work"});
+        series_.solver = std::make_unique<SeriesWriter>(
+            path("solver"), std::vector<std::string>{"residual", "residual_rms", "sweeps", "overlap_mean", "overlap_max",
+                                                     "contacts", "candidates", "rebuilds", "redone", "imbalance"});
+    }
+    share_errors();
+}
+
+void Recorder::begin() {
+    initial_ = cell_shapes(simulation_);
+    const auto& output = simulation_.scene().output;
+    const double bin = output.front_bin > 0 ? output.front_bin : 4 * simulation_.mean_radius();
+    bed_ = bin > 0 ? median_height(free_surface(simulation_, bin)) : 0.0;
+
+    // The forces that the settled sample carries, as if of one step.
+    auto& sums = simulation_.sums();
+    sums.clear();
+    const auto& set = simulation_.candidates();
+    for (const auto& tile : set.tiles) {
+        for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
+            const auto g = contact_geometry(simulation_.state(), simulation_.walls(), set.a[c], set.b[c]);
+            if (g.applies) {
+                sums.add(simulation_.state(), set.a[c], set.b[c], g.n,
+                         set.r[c].n * g.n + set.r[c].t[0] * Vec<2>(-g.n[1], g.n[0]));
+            }
+        }
+        sums.end_tile();
+    }
+    sums.end_step();
+    write_row(0, 0.0);
+    wall_work_ = 0;
+}
+
+bool Recorder::row_due(std::int64_t step) const {
+    return step % simulation_.scene().output.series_every == 0;
+}
+
+void Recorder::write_row(std::int64_t step, double time) {
+    const auto lap = simulation_.watch().lap(Timed::measure);
+    const auto& comm = simulation_.comm();
+    auto& sums = simulation_.sums();
+    sums.for_each_sum([&](ExactSum& s) { comm.sum(s.limbs()); });
+    const auto& settings = simulation_.settings();
+    const double h = settings.h / settings.substeps;
+    write_cells(step, time, h);
+    write_walls(step, time, h);
+    wall_work_ += step > 0 ? sums.wall_work() : 0.0;
+    sums.clear();
+
+    const auto& output = simulation_.scene().output;
+    const double bin = output.front_bin > 0 ? output.front_bin : 4 * simulation_.mean_radius();
+    const double front = bin > 0 ? front_position(free_surface(simulation_, bin), bed_, 4 * simulation_.mean_radius())
+                                 : std::numeric_limits<double>::quiet_NaN();
+    const Energies energy = energies(simulation_);
+    overlaps_ = overlaps(simulation_);
+    largest_overlap_ = std::max(largest_overlap_, overlaps_.largest);
+    if (comm.is_root()) {
+        constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+        const auto& residual = simulation_.last_residual();
+        const auto& counters = simulation_.counters();
+        series_.front->append(step, time, std::array{front});
+        series_.energy->append(step, time, std::array{energy.kinetic, energy.potential, wall_work_});
+        series_.solver->append(
+            step, time,
+            std::array{residual ? residual->largest : unknown, residual ? residual->rms : unknown,
+                       static_cast<double>(simulation_.last_sweeps()), overlaps_.mean, overlaps_.largest,
+                       static_cast<double>(overlaps_.contacts), static_cast<double>(overlaps_.candidates),
+                       static_cast<double>(counters.rebuilds),
+                       static_cast<double>(counters.redone_lists + counters.redone_packs),
+                       simulation_.domain().last_imbalance()});
+    }
+    share_errors();
+}
+
+void Recorder::write_cells(std::int64_t step, double time, double h) {
+    const auto shapes = cell_shapes(simulation_);
+    const auto& sums = simulation_.sums();
+    if (!simulation_.comm().is_root()) {
+        return;
+    }
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
+        // V = grain volume / phi0, phi0 = that volume over the circle's when loading starts: the circle's area, since the set of
+        // grains stays the same.
+        const double radius = simulation_.scene().output.cells[k].radius;
+        const double circle = std::numbers::pi * radius * radius;
+        const double phi0 = initial_[k].volume / circle;
+        const double volume = phi0 > 0 ? shapes[k].volume / phi0 : circle;
+        Eigen::Matrix2d sigma;
+        for (int i = 0; i < 2; ++i) {
+            for (int j = 0; j < 2; ++j) {
+                sigma(i, j) = sums.cell_moment(k, i, j) / (h * static_cast<double>(sums.n_steps()) * volume);
+            }
+        }
+        const auto stress = principal_stress(sigma);
+        const auto stretch = [&](int d) {
+            return initial_[k].extent[d] > 0 ? shapes[k].extent[d] / initial_[k].extent[d]
+                                             : std::numeric_limits<double>::quiet_NaN();
+        };
+        series_.cells[k].append(
+            step, time, std::array{stress.p, stress.q, stretch(0), stretch(1), static_cast<double>(shapes[k].grains)});
+    }
+}
+
+void Recorder::write_walls(std::int64_t step, double time, double h) {
+    const auto& sums = simulation_.sums();
+    const auto& walls = simulation_.walls();
+    if (!simulation_.comm().is_root()) {
+        return;
+    }
+    for (int w = 0; w < walls.n_walls(); ++w) {
+        const auto k = static_cast<std::size_t>(w);
+        const Vec<2> force = sums.wall_impulse(k) / (h * static_cast<double>(sums.n_steps()));
+        series_.walls[k].append(step, time,
+                                std::array{walls.offset[k][0], walls.offset[k][1], walls.v[k][0], walls.v[k][1],
+                                           force[0], force[1]});
+    }
+}
+
+void Recorder::write_frame(std::int64_t step, double time) {
+    const auto lap = simulation_.watch().lap(Timed::output);
+    Frame<2> frame;
+    frame.step = step;
+    frame.time = time;
+    frame.scene_title = simulation_.scene().title;
+    frame.grains = frame_grains(simulation_);
+    frame.contacts = frame_contacts(simulation_);
+    for (int w = 0; w < simulation_.walls().n_walls(); ++w) {
+        frame.walls.push_back({simulation_.walls().name(w), simulation_.walls().points(w)});
+    }
+    const auto counts = nappe::write_frame(simulation_.comm(), folder_ / frame_name(step), std::move(frame));
+    index_.add(simulation_.comm(), {time, frame_name(step), counts.n_grains, counts.n_contacts});
+    ++n_frames_;
+}
+
+void Recorder::share_errors() {
+    std::string error;
+    const auto look = [&](const SeriesWriter& writer) {
+        if (error.empty()) {
+            error = writer.error();
+        }
+    };
+    if (simulation_.comm().is_root()) {
+        std::for_each(series_.cells.begin(), series_.cells.end(), look);
+        std::for_each(series_.walls.begin(), series_.walls.end(), look);
+        look(*series_.front);
+        look(*series_.energy);
+        look(*series_.solver);
+    }
+    simulation_.comm().throw_together<SystemError>(error);
+}
+
+void Recorder::finish() {
+    const auto lap = simulation_.watch().lap(Timed::output);
+    if (simulation_.comm().is_root()) {
+        for (auto& writer : series_.cells) {
+            writer.finish();
+        }
+        for (auto& writer : series_.walls) {
+            writer.finish();
+        }
+        series_.front->finish();
+        series_.energy->finish();
+        series_.solver->finish();
+    }
+    share_errors();
+}
+
+} // namespace nappe

@@ -1,0 +1,63 @@
+#pragma once
+// Writes what a run leaves while it goes on: frames with their index, and the series.
+
+#include "io/frame_writer.hpp"
+#include "io/series.hpp"
+#include "io/xdmf_index.hpp"
+#include "solver/observables.hpp"
+#include "solver/simulation.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace nappe {
+
+class Recorder {
+public:
+    /// **Collective.** Makes the folders. Throws SystemError.
+    Recorder(Simulation<2>& simulation, const std::filesystem::path& folder);
+
+    /// **Collective.** When loading starts: remembers what cells and the bed look like, writes the first row of every series.
+    void begin();
+
+    /// **Collective.** Whether the series want a row after this loading step, and so the step its residual.
+    bool row_due(std::int64_t step) const;
+
+    /// **Collective.** One row in every series, of the interval since the row before.
+    void write_row(std::int64_t step, double time);
+
+    /// **Collective.** Throws SystemError on all ranks if it can not be written.
+    void write_frame(std::int64_t step, double time);
+
+    /// **Collective.** Ends the series; throws SystemError on all ranks if any row of them could not be written.
+    void finish();
+
+    const Overlaps& last_overlaps() const { return overlaps_; }
+    double largest_overlap() const { return largest_overlap_; } ///< of all rows so far
+    int n_frames() const { return n_frames_; }
+
+private:
+    struct Series {
+        std::vector<SeriesWriter> cells, walls;
+        std::unique_ptr<SeriesWriter> front, energy, solver;
+    };
+
+    void write_cells(std::int64_t step, double time, double h);
+    void write_walls(std::int64_t step, double time, double h);
+    void share_errors();
+
+    Simulation<2>& simulation_;
+    std::filesystem::path folder_;
+    XdmfIndex index_;
+    Series series_; ///< on the root only
+    std::vector<CellShape<2>> initial_;
+    double bed_ = 0;
+    double wall_work_ = 0;
+    Overlaps overlaps_;
+    double largest_overlap_ = 0;
+    int n_frames_ = 0;
+};
+
+} // namespace nappe

@@ -1,0 +1,213 @@
+#include "commands/run.hpp"
+
+#include "commands/prepare.hpp"
+#include "commands/recorder.hpp"
+#include "io/scene_reader.hpp"
+#include "io/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+
+namespace nappe {
+
+namespace {
+
+volatile std::sig_atomic_t signal_caught = 0;
+
+void remember_signal(int number) {
+    signal_caught = number;
+}
+
+/// Stops asked for from outside end the run after the step in hand, on all ranks at the same one.
+void catch_signals() {
+    struct sigaction action {};
+    action.sa_handler = remember_signal;
+    action.sa_flags = SA_RESETHAND; // a second signal ends the process at once
+    for (const int number : {SIGUSR1, SIGUSR2, SIGTERM, SIGINT}) {
+        sigaction(number, &action, nullptr);
+    }
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+Scene<2> shared_scene(const Communicator& comm, const RunOptions& options) {
+    std::string text, error;
+    if (comm.is_root()) {
+        try {
+            text = read_scene_text(options.scene);
+        } catch (const InputError& e) {
+            error = e.what();
+        }
+    }
+    comm.throw_together<InputError>(error);
+    comm.broadcast(text);
+    return parse_scene(text, options.scene, options.overrides); // every rank finds the same errors
+}
+
+struct Course {
+    std::int64_t steps = 0;
+    double time = 0;
+    bool stopped = false;
+};
+
+/// The loading stages, from step 0 to the last.
+Course load_stages(Simulation<2>& simulation, Recorder& recorder, Progress& progress,
+                   const std::optional<std::int64_t>& limit) {
+    const auto& scene = simulation.scene();
+    Course course;
+    bool begun = false;
+    std::int64_t all = 0;
+    for (const auto& stage : scene.stages) {
+        all += stage.until ? 0 : n_steps(stage);
+    }
+    all = limit ? std::min(all, *limit) : all;
+    for (int s = 0; s < static_cast<int>(scene.stages.size()) && !course.stopped; ++s) {
+        const auto& stage = scene.stages[static_cast<std::size_t>(s)];
+        const bool last = s + 1 == static_cast<int>(scene.stages.size());
+        if (stage.until && !last) {
+            continue;
+        }
+        simulation.start_stage(s);
+        if (!begun) {
+            begun = true;
+            simulation.mark_cells();
+            recorder.begin();
+            recorder.write_frame(0, 0.0);
+        }
+        const std::int64_t n = stage.until ? 0 : std::min(n_steps(stage), all - course.steps);
+        progress.begin_stage(stage.name, n);
+        for (std::int64_t k = 0; k < n && !course.stopped; ++k) {
+            const bool final_step = course.steps + 1 == all;
+            const bool row = recorder.row_due(course.steps + 1) || final_step;
+            const auto outside = simulation.step(signal_caught != 0 ? flag::outside_first : 0, row);
+            ++course.steps;
+            course.time = simulation.time();
+            course.stopped = outside != 0 && !final_step;
+            if (row) {
+                recorder.write_row(course.steps, course.time);
+            }
+            const int every = scene.output.frames_every;
+            if (final_step || course.stopped || (every > 0 && course.steps % every == 0)) {
+                recorder.write_frame(course.steps, course.time);
+            }
+            progress.update(k + 1, course.time);
+        }
+        progress.end_stage();
+    }
+    return course;
+}
+
+/// Seconds of each stage on the slowest rank; sweeping without the exchange inside it.
+nlohmann::ordered_json stage_seconds(Simulation<2>& simulation, double& sweeping_all_ranks) {
+    auto seconds = simulation.watch().seconds();
+    const auto at = [](Timed t) { return static_cast<std::size_t>(t); };
+    const auto& comm = simulation.comm();
+    ExactSum sweeping;
+    sweeping.add(seconds[at(Timed::sweep)]);
+    comm.sum(sweeping.limbs());
+    sweeping_all_ranks = sweeping.value();
+    seconds[at(Timed::sweep)] -= seconds[at(Timed::exchange)];
+    nlohmann::ordered_json json;
+    for (std::size_t k = 0; k < n_timed; ++k) {
+        json[timed_names[k]] = comm.max(seconds[k]);
+    }
+    return json;
+}
+
+} // namespace
+
+ExitCode run(const Communicator& comm, const RunOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto scene = shared_scene(comm, options);
+    const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
+    catch_signals();
+    Progress progress(Progress::for_rank(comm.is_root()));
+    Simulation<2> simulation(comm, scene, kernels);
+    progress.info(fmt::format("{}: {} ranks, disks in the plane, {} friction, {} restitution, {} kernel, {} B per grain, {} B per "
+                              "contact",
+                              scene.title, comm.size(), scene.laws.empty() ? "no" : "Coulomb",
+                              std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& l) { return l.restitution > 0; })
+                                  ? "Newton"
+                                  : "no",
+                              kernels.name, State<2>::bytes_per_grain(),
+                              simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate()));
+    Preparation preparation;
+    try {
+        preparation = prepare(simulation, options.samples, progress, signal_caught);
+    } catch (const StoppedEarly&) {
+        progress.warning("stopped by a signal while preparing; nothing was written");
+        return ExitCode::stopped_early;
+    }
+    simulation.watch().clear();
+    const auto loading = std::chrono::steady_clock::now();
+    Recorder recorder(simulation, options.out);
+    const Course course = load_stages(simulation, recorder, progress, options.steps);
+    recorder.finish();
+
+    const auto hash = simulation.state_hash();
+    const auto& counters = simulation.counters();
+    const auto relaxations = comm.sum(counters.relaxations);
+    const auto messages = comm.sum(simulation.domain().halo().traffic().messages_sent);
+    const auto bytes = comm.sum(simulation.domain().halo().traffic().bytes_sent);
+    double sweeping = 0;
+    const auto seconds = stage_seconds(simulation, sweeping);
+    const auto now = std::chrono::steady_clock::now();
+    const auto elapsed = [&](auto since) { return comm.max(std::chrono::duration<double>(now - since).count()); };
+    const double total = elapsed(start), loaded = elapsed(loading);
+    const auto& residual = simulation.last_residual();
+    nlohmann::ordered_json json;
+    json["version"] = program_version();
+    json["title"] = scene.title;
+    json["scene"] = scene.text;
+    json["ranks"] = comm.size();
+    json["grains"] = simulation.domain().n_grains();
+    json["contacts"] = recorder.last_overlaps().contacts;
+    json["candidates"] = recorder.last_overlaps().candidates;
+    json["steps"] = course.steps;
+    json["h"] = simulation.settings().h / simulation.settings().substeps;
+    json["time_simulated"] = course.time;
+    json["stopped_early"] = course.stopped;
+    json["relaxations"] = relaxations;
+    json["sweeps"] = counters.sweeps;
+    json["unconverged_steps"] = counters.unconverged;
+    json["seconds_total"] = total;
+    json["seconds_loading"] = loaded;
+    json["seconds_deposit"] = comm.max(preparation.deposit_seconds);
+    json["seconds_settle"] = comm.max(preparation.settle_seconds);
+    json["settle_steps"] = preparation.settle_steps;
+    json["sample_reused"] = preparation.reused;
+    json["seconds"] = seconds;
+    json["ns_per_relaxation"] = relaxations > 0 ? 1e9 * sweeping / static_cast<double>(relaxations) : 0.0;
+    json["kernel"] = kernels.name;
+    json["rebuilds"] = counters.rebuilds;
+    json["redone_lists"] = counters.redone_lists;
+    json["redone_packs"] = counters.redone_packs;
+    json["rebalanced"] = counters.rebalanced;
+    json["imbalance"] = simulation.domain().last_imbalance();
+    json["messages"] = messages;
+    json["message_bytes"] = bytes;
+    json["overlap_mean"] = recorder.last_overlaps().mean;
+    json["overlap_max"] = recorder.last_overlaps().largest;
+    json["overlap_max_of_run"] = recorder.largest_overlap();
+    json["residual"] = residual ? nlohmann::ordered_json(residual->largest) : nlohmann::ordered_json();
+    json["bytes_per_grain"] = State<2>::bytes_per_grain();
+    json["bytes_per_contact"] = simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate();
+    json["state_hash"] = hex_digits(hash);
+    std::string error;
+    if (comm.is_root()) {
+        try {
+            write_summary(options.out / "summary.json", json);
+        } catch (const SystemError& e) {
+            error = e.what();
+        }
+    }
+    comm.throw_together<SystemError>(error);
+    progress.info(fmt::format("{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r; state hash {}", course.steps,
+                              course.time, loaded, recorder.largest_overlap(), hex_digits(hash)));
+    return course.stopped ? ExitCode::stopped_early : ExitCode::done;
+}
+
+} // namespace nappe
