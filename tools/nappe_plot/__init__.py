@@ -1,0 +1,1 @@
+"""Pictures of a nappe run, from the files in its folder (docs/architecture.md, "Output")."""

@@ -1,0 +1,64 @@
+"""Force chains: every contact that carries a force, as a line as wide and as dark as the force is large."""
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+from . import grains, layers, style
+from .run import WALL_KEY
+
+INKS = LinearSegmentedColormap.from_list("chains", ["#a9bccb", "#3d6c94", "#0d2340", "#020617"])
+
+
+def segments(frame, h):
+    """(n, 2, 2) end points [m] and (n) normal forces [N per metre of depth], weakest first.
+
+    From centre to centre; against a wall from the centre to the contact point.
+    """
+    lo, hi, r_n = (frame.contacts[name] for name in ("lo", "hi", "r_n"))
+    carries = r_n > 0
+    lo, hi, force, point = lo[carries], hi[carries], r_n[carries] / h, frame.contacts["point"][carries, :2]
+    ends = np.empty((len(lo), 2, 2))
+    ends[:, 0] = frame.x[np.searchsorted(frame.id, lo)]
+    ends[:, 1] = point
+    between = hi < WALL_KEY
+    ends[between, 1] = frame.x[np.searchsorted(frame.id, hi[between])]
+    order = np.argsort(force, kind="stable")
+    return ends[order], force[order]
+
+
+def draw(run, chosen, out):
+    """chains.png: the deformed part at the chosen times, all to one scale of force."""
+    chosen = [k for k in chosen if run.frame(k).contacts and (run.frame(k).contacts["r_n"] > 0).any()]
+    if not chosen:
+        return
+    frames = [run.frame(k) for k in chosen]
+    lines = [segments(frame, run.h) for frame in frames]
+    strong = max(np.quantile(force, 0.998) for _, force in lines)
+    norm = Normalize(0, strong / 1e3, clip=True)
+    windows = grains.deformed(run, frames)
+    figure, axes = layers.stack(windows, key_height=0.75)
+    for axis, frame, (ends, force), window in zip(axes, frames, lines, windows):
+        grains.draw(axis, frame, grains.shades(frame, run.n_bed, pale=0.72), window)
+        grains.draw_walls(axis, frame)
+        window.apply(axis)
+        # The strongest is as wide as a mean radius: 72 points an inch, and the panel's inches a metre.
+        points_per_metre = 72 * axis.get_position().width * figure.get_figwidth() / (window.x[1] - window.x[0])
+        widest = 1.1 * frame.radius.mean() * points_per_metre
+        seen = window.holds(ends[:, 0]) & (force > 0.03 * strong)
+        axis.add_collection(
+            LineCollection(
+                ends[seen],
+                linewidths=widest * np.minimum(force[seen] / strong, 1),
+                colors=INKS(norm(force[seen] / 1e3)),
+                capstyle="round",
+                zorder=2,
+            )
+        )
+        axis.set_title(layers.title_of(run, frame), loc="left")
+    height = figure.get_figheight()
+    bar = figure.add_axes([0.62, 1 - 0.38 / height, 0.3, 0.16 / height])
+    scale = figure.colorbar(ScalarMappable(norm, INKS), cax=bar, orientation="horizontal", extend="max")
+    scale.set_label("normal force [kN per metre of depth]", labelpad=-44, fontsize=13)
+    yield style.save(figure, out / "chains.png", style.DPI_GRAINS)
