@@ -1,0 +1,104 @@
+#include "io/hdf5_slab.hpp"
+
+#include <hdf5.h>
+
+#include <algorithm>
+#include <array>
+
+namespace nappe {
+
+namespace {
+
+/// MPI-IO counts bytes in an int.
+constexpr std::size_t piece_bytes = std::size_t{1} << 28;
+
+/// Calls io(memory space, file space, byte offset) for piece after piece of rows [first, first + rows).
+template <class Io>
+void for_each_piece(const Hdf5Handle& file_space, std::size_t row_bytes, int columns, std::int64_t first,
+                    std::int64_t rows, Io io) {
+    const int n_dimensions = columns == 1 ? 1 : 2;
+    const auto per_piece = std::max<std::int64_t>(1, static_cast<std::int64_t>(piece_bytes / row_bytes));
+    for (std::int64_t at = 0; at < rows; at += per_piece) {
+        const std::array<hsize_t, 2> start{static_cast<hsize_t>(first + at), 0};
+        const std::array<hsize_t, 2> count{static_cast<hsize_t>(std::min(per_piece, rows - at)),
+                                           static_cast<hsize_t>(columns)};
+        const Hdf5Handle memory(H5Screate_simple(n_dimensions, count.data(), nullptr), H5Sclose, "no data space");
+        hdf5_check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+                   "rows beyond the dataset");
+        io(memory.get(), file_space.get(), static_cast<std::size_t>(at) * row_bytes);
+    }
+}
+
+Hdf5Handle space_of(const Hdf5Handle& dataset) {
+    return Hdf5Handle(H5Dget_space(dataset.get()), H5Sclose, "no data space");
+}
+
+Hdf5Handle open_dataset(const Hdf5Handle& file, const std::string& path) {
+    return Hdf5Handle(H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), H5Dclose, "dataset " + path + " can not be opened");
+}
+
+/// Rows and columns; a dataset of one dimension has one column.
+std::array<hsize_t, 2> extent(const Hdf5Handle& space, const std::string& path) {
+    std::array<hsize_t, 2> size{0, 1};
+    const int n_dimensions = H5Sget_simple_extent_ndims(space.get());
+    if (n_dimensions != 1 && n_dimensions != 2) {
+        throw Hdf5Failure("dataset " + path + " is not a table");
+    }
+    H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+    return size;
+}
+
+} // namespace
+
+Hdf5Handle::Id native_type(ElementType type) {
+    switch (type) {
+    case ElementType::float64: return H5T_NATIVE_DOUBLE;
+    case ElementType::int64: return H5T_NATIVE_INT64;
+    case ElementType::int32: return H5T_NATIVE_INT32;
+    case ElementType::uint64: return H5T_NATIVE_UINT64;
+    case ElementType::uint8: return H5T_NATIVE_UINT8;
+    }
+    return -1;
+}
+
+void write_slab(const Hdf5Handle& file, const Hdf5Dataset& rows) {
+    const auto dataset = open_dataset(file, rows.path);
+    const auto type = native_type(rows.type);
+    for_each_piece(space_of(dataset), rows.row_bytes(), rows.columns, rows.range.first, rows.range.rows,
+                   [&](hid_t memory, hid_t in_file, std::size_t at) {
+                       hdf5_check(H5Dwrite(dataset.get(), type, memory, in_file, H5P_DEFAULT, rows.bytes.data() + at),
+                                  "writing " + rows.path + " fails");
+                   });
+}
+
+std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path, ElementType type, int columns,
+                                 std::int64_t first, std::int64_t rows) {
+    const auto dataset = open_dataset(file, path);
+    const Hdf5Handle stored(H5Dget_type(dataset.get()), H5Tclose, "dataset " + path + " has no type");
+    const auto space = space_of(dataset);
+    const auto size = extent(space, path);
+    if (H5Tequal(stored.get(), native_type(type)) <= 0 || size[1] != static_cast<hsize_t>(columns) || first < 0 ||
+        rows < 0 || static_cast<hsize_t>(first + rows) > size[0]) {
+        throw Hdf5Failure("dataset " + path + " has another type or size than expected");
+    }
+    const auto row_bytes = element_bytes(type) * static_cast<std::size_t>(columns);
+    std::vector<std::byte> bytes(static_cast<std::size_t>(rows) * row_bytes);
+    for_each_piece(space, row_bytes, columns, first, rows, [&](hid_t memory, hid_t in_file, std::size_t at) {
+        hdf5_check(H5Dread(dataset.get(), native_type(type), memory, in_file, H5P_DEFAULT, bytes.data() + at),
+                   "reading " + path + " fails");
+    });
+    return bytes;
+}
+
+Hdf5Handle open_to_read(const std::string& path) {
+    const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no property list");
+    // Locks fail on some cluster file systems, and nobody writes a file once it has its final name.
+    hdf5_check(H5Pset_file_locking(access.get(), false, true), "file locking can not be set");
+    return Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "the file can not be opened");
+}
+
+std::int64_t dataset_rows(const Hdf5Handle& file, const std::string& path) {
+    return static_cast<std::int64_t>(extent(space_of(open_dataset(file, path)), path)[0]);
+}
+
+} // namespace nappe
