@@ -14,10 +14,19 @@
 namespace nappe {
 namespace {
 
-typedef double Row __attribute__((vector_size(32), may_alias)); // a body: v_x, v_y, s, 1/m
-typedef double Lane __attribute__((vector_size(64), may_alias)); // one number of eight contacts
+// A register holds `width` doubles; a batch of eight contacts takes 8 / width of them. What wide shuffles would be emulated by
+// scalar moves on a narrower instruction set, so the transposition of bodies into lanes is written once per width.
+#if defined(__AVX512F__)
+constexpr int width = 8;
+#elif defined(__AVX2__)
+constexpr int width = 4;
+#else
+constexpr int width = 2;
+#endif
 
-static_assert(n_lanes == 8, "the shuffles below are written for eight lanes");
+typedef double Lane __attribute__((vector_size(8 * width), may_alias)); // one number of `width` contacts
+
+static_assert(n_lanes % width == 0);
 
 struct Bodies {
     Lane vx, vy, s, inv_m;
@@ -31,11 +40,20 @@ inline __attribute__((always_inline)) void store(double* p, const Lane& v) {
     *reinterpret_cast<Lane*>(p) = v;
 }
 
+#if defined(__AVX512F__) || defined(__AVX2__)
+typedef double Row __attribute__((vector_size(32), may_alias)); // a body: v_x, v_y, s, 1/m
+
 inline __attribute__((always_inline)) Row row(const double* u, std::int32_t i) {
     return *reinterpret_cast<const Row*>(u + 4 * static_cast<std::int64_t>(i));
 }
 
-/// Eight bodies, transposed into lanes.
+inline __attribute__((always_inline)) void put(double* u, std::int32_t i, const Row& r) {
+    *reinterpret_cast<Row*>(u + 4 * static_cast<std::int64_t>(i)) = r;
+}
+#endif
+
+// gather: bodies i[0] … i[width-1], transposed into lanes. scatter: back; lanes that name one unmovable body all write what was there.
+#if defined(__AVX512F__)
 inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
     const Lane a = __builtin_shufflevector(row(u, i[0]), row(u, i[1]), 0, 1, 2, 3, 4, 5, 6, 7);
     const Lane b = __builtin_shufflevector(row(u, i[2]), row(u, i[3]), 0, 1, 2, 3, 4, 5, 6, 7);
@@ -51,7 +69,6 @@ inline __attribute__((always_inline)) Bodies gather(const double* u, const std::
             __builtin_shufflevector(ab_s, cd_s, 4, 5, 6, 7, 12, 13, 14, 15)};
 }
 
-/// Writes eight bodies back. Lanes that name one unmovable body all write what was there.
 inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
     const Lane ab_v = __builtin_shufflevector(w.vx, w.vy, 0, 1, 2, 3, 8, 9, 10, 11);
     const Lane cd_v = __builtin_shufflevector(w.vx, w.vy, 4, 5, 6, 7, 12, 13, 14, 15);
@@ -61,18 +78,51 @@ inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t
     const Lane b = __builtin_shufflevector(ab_v, ab_s, 2, 6, 10, 14, 3, 7, 11, 15);
     const Lane c = __builtin_shufflevector(cd_v, cd_s, 0, 4, 8, 12, 1, 5, 9, 13);
     const Lane d = __builtin_shufflevector(cd_v, cd_s, 2, 6, 10, 14, 3, 7, 11, 15);
-    const auto put = [u](std::int32_t at, const Row& r) {
-        *reinterpret_cast<Row*>(u + 4 * static_cast<std::int64_t>(at)) = r;
-    };
-    put(i[0], __builtin_shufflevector(a, a, 0, 1, 2, 3));
-    put(i[1], __builtin_shufflevector(a, a, 4, 5, 6, 7));
-    put(i[2], __builtin_shufflevector(b, b, 0, 1, 2, 3));
-    put(i[3], __builtin_shufflevector(b, b, 4, 5, 6, 7));
-    put(i[4], __builtin_shufflevector(c, c, 0, 1, 2, 3));
-    put(i[5], __builtin_shufflevector(c, c, 4, 5, 6, 7));
-    put(i[6], __builtin_shufflevector(d, d, 0, 1, 2, 3));
-    put(i[7], __builtin_shufflevector(d, d, 4, 5, 6, 7));
+    put(u, i[0], __builtin_shufflevector(a, a, 0, 1, 2, 3));
+    put(u, i[1], __builtin_shufflevector(a, a, 4, 5, 6, 7));
+    put(u, i[2], __builtin_shufflevector(b, b, 0, 1, 2, 3));
+    put(u, i[3], __builtin_shufflevector(b, b, 4, 5, 6, 7));
+    put(u, i[4], __builtin_shufflevector(c, c, 0, 1, 2, 3));
+    put(u, i[5], __builtin_shufflevector(c, c, 4, 5, 6, 7));
+    put(u, i[6], __builtin_shufflevector(d, d, 0, 1, 2, 3));
+    put(u, i[7], __builtin_shufflevector(d, d, 4, 5, 6, 7));
 }
+#elif defined(__AVX2__)
+inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
+    const Row a = row(u, i[0]), b = row(u, i[1]), c = row(u, i[2]), d = row(u, i[3]);
+    const Row ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Row cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    return {__builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5), __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5),
+            __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7), __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7)};
+}
+
+inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
+    const Row ac_v = __builtin_shufflevector(w.vx, w.vy, 0, 4, 2, 6), bd_v = __builtin_shufflevector(w.vx, w.vy, 1, 5, 3, 7);
+    const Row ac_s = __builtin_shufflevector(w.s, w.inv_m, 0, 4, 2, 6);
+    const Row bd_s = __builtin_shufflevector(w.s, w.inv_m, 1, 5, 3, 7);
+    put(u, i[0], __builtin_shufflevector(ac_v, ac_s, 0, 1, 4, 5));
+    put(u, i[1], __builtin_shufflevector(bd_v, bd_s, 0, 1, 4, 5));
+    put(u, i[2], __builtin_shufflevector(ac_v, ac_s, 2, 3, 6, 7));
+    put(u, i[3], __builtin_shufflevector(bd_v, bd_s, 2, 3, 6, 7));
+}
+#else
+inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
+    const double* a = u + 4 * static_cast<std::int64_t>(i[0]);
+    const double* b = u + 4 * static_cast<std::int64_t>(i[1]);
+    const Lane a_v = load(a), b_v = load(b), a_s = load(a + 2), b_s = load(b + 2);
+    return {__builtin_shufflevector(a_v, b_v, 0, 2), __builtin_shufflevector(a_v, b_v, 1, 3),
+            __builtin_shufflevector(a_s, b_s, 0, 2), __builtin_shufflevector(a_s, b_s, 1, 3)};
+}
+
+inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
+    double* a = u + 4 * static_cast<std::int64_t>(i[0]);
+    double* b = u + 4 * static_cast<std::int64_t>(i[1]);
+    store(a, __builtin_shufflevector(w.vx, w.vy, 0, 2));
+    store(b, __builtin_shufflevector(w.vx, w.vy, 1, 3));
+    store(a + 2, __builtin_shufflevector(w.s, w.inv_m, 0, 2));
+    store(b + 2, __builtin_shufflevector(w.s, w.inv_m, 1, 3));
+}
+#endif
 
 /// The impulses d_n, d_t act on both bodies of each lane.
 inline __attribute__((always_inline)) void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, const Lane& d_n,
@@ -95,24 +145,26 @@ inline __attribute__((always_inline)) void relax_all(DiskBatch* batches, const F
     const double third = 1.0 / 3.0;
     for (std::int64_t k = 0; k < n; ++k) {
         DiskBatch& batch = batches[k];
-        Bodies a = gather(u, batch.a);
-        Bodies b = gather(u, batch.b);
-        const Lane nx = load(batch.nx), ny = load(batch.ny), m = load(batch.m_eff);
-        const Lane r_n = load(batch.r_n), r_t = load(batch.r_t);
-        const Lane dvx = a.vx - b.vx, dvy = a.vy - b.vy;
-        const Lane v_n = nx * dvx + ny * dvy;
-        const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
-        const Lane wanted_n = r_n - (v_n + load(batch.bias)) * m;
-        const Lane new_n = wanted_n > zero ? wanted_n : zero;
-        const Lane limit = Mixed ? load(mixed[k].mu) * new_n : mu_uniform * new_n;
-        const Lane wanted_t = r_t - v_t * (m * third);
-        const Lane above = wanted_t > limit ? limit : wanted_t;
-        const Lane new_t = above < -limit ? -limit : above;
-        store(batch.r_n, new_n);
-        store(batch.r_t, new_t);
-        push(a, b, nx, ny, new_n - r_n, new_t - r_t);
-        scatter(u, batch.a, a);
-        scatter(u, batch.b, b);
+        for (int l = 0; l < n_lanes; l += width) {
+            Bodies a = gather(u, batch.a + l);
+            Bodies b = gather(u, batch.b + l);
+            const Lane nx = load(batch.nx + l), ny = load(batch.ny + l), m = load(batch.m_eff + l);
+            const Lane r_n = load(batch.r_n + l), r_t = load(batch.r_t + l);
+            const Lane dvx = a.vx - b.vx, dvy = a.vy - b.vy;
+            const Lane v_n = nx * dvx + ny * dvy;
+            const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
+            const Lane wanted_n = r_n - (v_n + load(batch.bias + l)) * m;
+            const Lane new_n = wanted_n > zero ? wanted_n : zero;
+            const Lane limit = Mixed ? load(mixed[k].mu + l) * new_n : mu_uniform * new_n;
+            const Lane wanted_t = r_t - v_t * (m * third);
+            const Lane above = wanted_t > limit ? limit : wanted_t;
+            const Lane new_t = above < -limit ? -limit : above;
+            store(batch.r_n + l, new_n);
+            store(batch.r_t + l, new_t);
+            push(a, b, nx, ny, new_n - r_n, new_t - r_t);
+            scatter(u, batch.a + l, a);
+            scatter(u, batch.b + l, b);
+        }
     }
 }
 
@@ -127,11 +179,13 @@ void relax(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, doubl
 void apply(const DiskBatch* batches, std::int64_t n, double* u) {
     for (std::int64_t k = 0; k < n; ++k) {
         const DiskBatch& batch = batches[k];
-        Bodies a = gather(u, batch.a);
-        Bodies b = gather(u, batch.b);
-        push(a, b, load(batch.nx), load(batch.ny), load(batch.r_n), load(batch.r_t));
-        scatter(u, batch.a, a);
-        scatter(u, batch.b, b);
+        for (int l = 0; l < n_lanes; l += width) {
+            Bodies a = gather(u, batch.a + l);
+            Bodies b = gather(u, batch.b + l);
+            push(a, b, load(batch.nx + l), load(batch.ny + l), load(batch.r_n + l), load(batch.r_t + l));
+            scatter(u, batch.a + l, a);
+            scatter(u, batch.b + l, b);
+        }
     }
 }
 
