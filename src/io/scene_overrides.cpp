@@ -107,8 +107,8 @@ void apply_override(toml::table& root, const std::string& text) {
             rest = join_path(rest, segments[i]);
         }
         auto document = parse_value(rest, value, place);
-        auto& [new_key, node] = *document.begin();
-        node.visit([&, name = new_key](auto& concrete) { table->insert_or_assign(name, std::move(concrete)); });
+        const auto first = document.begin(); // kept: what it points to lives inside the iterator
+        first->second.visit([&](auto& concrete) { table->insert_or_assign(first->first, std::move(concrete)); });
     } else if (auto* array = parent->as_array()) {
         const toml::node* old = find_child(*parent, segments[depth]);
         if (old == nullptr || depth + 1 < segments.size()) {
@@ -119,7 +119,8 @@ void apply_override(toml::table& root, const std::string& text) {
             ++index;
         }
         auto document = parse_value("value", value, place);
-        document.begin()->second.visit([&](auto& concrete) {
+        const auto first = document.begin();
+        first->second.visit([&](auto& concrete) {
             array->replace(array->cbegin() + static_cast<std::ptrdiff_t>(index), std::move(concrete));
         });
     } else {
