@@ -1,8 +1,8 @@
 #include "commands/check.hpp"
 
 #include "core/error.hpp"
+#include "core/polygon.hpp"
 #include "io/progress.hpp"
-#include "io/scene_geometry.hpp"
 #include "io/scene_reader.hpp"
 
 #include <fmt/format.h>
@@ -82,7 +82,7 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
     if (scene.sample) {
         const auto& sample = *scene.sample;
         fmt::format_to(out, "sample     {:.6g} m² of {}, radii {} to {} m, {} layers, seed {}\n",
-                       scene_file::area(sample.profile),
+                       std::abs(signed_area(sample.profile)),
                        scene.materials[static_cast<std::size_t>(sample.material)].name, sample.radii.min,
                        sample.radii.max, sample.layer_tops.size() + 1, sample.seed);
     }
@@ -110,7 +110,7 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
 Estimate estimate(const Scene<2>& scene, const CostModel& cost) {
     Estimate e;
     if (scene.sample) {
-        e.grains = scene_file::area(scene.sample->profile) * solid_fraction / mean_grain_area(scene.sample->radii);
+        e.grains = std::abs(signed_area(scene.sample->profile)) * solid_fraction / mean_grain_area(scene.sample->radii);
     }
     e.grains += static_cast<double>(scene.grains.size());
     e.contacts = contacts_per_grain * e.grains;

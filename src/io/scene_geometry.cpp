@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <queue>
 
 namespace nappe::scene_file {
 
 namespace {
 
-double cross(const Vec<2>& a, const Vec<2>& b) {
-    return a[0] * b[1] - a[1] * b[0];
-}
-
-const Vec<2>& next(const Polygon& polygon, std::size_t k) {
+const Vec<2>& next(Polygon polygon, std::size_t k) {
     return polygon[k + 1 < polygon.size() ? k + 1 : 0];
 }
 
@@ -28,24 +23,6 @@ bool within_box(const Vec<2>& p, const Vec<2>& a, const Vec<2>& b) {
     return (p.array() >= a.array().min(b.array())).all() && (p.array() <= a.array().max(b.array())).all();
 }
 
-} // namespace
-
-double area(const Polygon& polygon) {
-    double twice = 0;
-    // About the first point: far from the origin, products of coordinates would cancel.
-    for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
-        twice += cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
-    }
-    return std::abs(twice) / 2;
-}
-
-double distance_to_segment(const Vec<2>& p, const Vec<2>& a, const Vec<2>& b) {
-    const Vec<2> along = b - a;
-    const double length2 = along.squaredNorm();
-    const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-    return (p - a - t * along).norm();
-}
-
 bool segments_touch(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c, const Vec<2>& d) {
     const int c_side = turn(a, b, c);
     const int d_side = turn(a, b, d);
@@ -58,7 +35,9 @@ bool segments_touch(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c, const Vec
            (a_side == 0 && within_box(a, c, d)) || (b_side == 0 && within_box(b, c, d));
 }
 
-std::optional<std::pair<std::size_t, std::size_t>> crossing_edges(const Polygon& polygon) {
+} // namespace
+
+std::optional<std::pair<std::size_t, std::size_t>> crossing_edges(Polygon polygon) {
     const std::size_t n = polygon.size();
     for (std::size_t i = 0; i < n; ++i) {
         for (std::size_t j = i + 1; j < n; ++j) {
@@ -79,21 +58,12 @@ std::optional<std::pair<std::size_t, std::size_t>> crossing_edges(const Polygon&
     return std::nullopt;
 }
 
-double depth(const Polygon& polygon, const Vec<2>& p) {
-    double nearest = std::numeric_limits<double>::infinity();
-    bool inside = false;
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const Vec<2>& a = polygon[k];
-        const Vec<2>& b = next(polygon, k);
-        nearest = std::min(nearest, distance_to_segment(p, a, b));
-        if ((a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) {
-            inside = !inside;
-        }
-    }
-    return inside ? nearest : -nearest;
+double depth(Polygon polygon, const Vec<2>& p) {
+    const double distance = distance_to_boundary(polygon, p);
+    return is_inside(polygon, p) ? distance : -distance;
 }
 
-bool holds_circle(const Polygon& polygon, double radius) {
+bool holds_circle(Polygon polygon, double radius) {
     // A quadtree of squares, the most promising first: no point of a square is deeper than its centre's depth plus half
     // its diagonal.
     struct Square {
@@ -132,7 +102,7 @@ bool holds_circle(const Polygon& polygon, double radius) {
     return true;
 }
 
-double depth_of_segment(const Polygon& polygon, const Vec<2>& a, const Vec<2>& b) {
+double depth_of_segment(Polygon polygon, const Vec<2>& a, const Vec<2>& b) {
     // Cut where the segment meets an edge: each piece is inside, outside or on the boundary as a whole.
     std::vector<double> cuts = {0, 1};
     const Vec<2> along = b - a;

@@ -139,7 +139,7 @@ bool check_profile(const Sample<2>& sample, Problems& problems) {
     if (!holds_circle(profile, sample.radii.max)) {
         problems.add(path, fmt::format("must have room for a grain of the largest radius, {} [m], found it too narrow "
                                        "everywhere (area {} m²); widen it or use smaller grains",
-                                       sample.radii.max, area(profile)));
+                                       sample.radii.max, std::abs(signed_area(profile))));
         return false;
     }
     return true;
@@ -197,7 +197,8 @@ void check_single_grains(const Scene<2>& scene, Problems& problems) {
         }
         for (const auto& wall : scene.walls) {
             for (std::size_t p = 1; p < wall.points.size(); ++p) {
-                const double distance = distance_to_segment(a.position, wall.points[p - 1], wall.points[p]);
+                const Vec<2> nearest = nearest_on_segment(wall.points[p - 1], wall.points[p], a.position);
+                const double distance = (nearest - a.position).norm();
                 if (distance < a.radius / 2) {
                     problems.add(
                         fmt::format("grains.{}.position", by_x[k]),
