@@ -26,11 +26,13 @@ std::string error_of(Stage&& stage) {
     }
 }
 
-void remove_on_root(const Communicator& comm, const std::filesystem::path& path) {
+/// Collective: no rank goes on before the file is gone.
+void remove_together(const Communicator& comm, const std::filesystem::path& path) {
     if (comm.is_root()) {
         std::error_code ignored;
         std::filesystem::remove(path, ignored);
     }
+    comm.barrier();
 }
 
 /// Rank 0 makes the file with everything but the rows; the error that all ranks agree on. Collective.
@@ -108,7 +110,7 @@ void write_hdf5(const Communicator& comm, const std::filesystem::path& path, con
         error = comm.first_error(comm.is_root() ? error_of([&] { rename_into_place(temporary, path); }) : std::string());
     }
     if (!error.empty()) {
-        remove_on_root(comm, temporary);
+        remove_together(comm, temporary);
         throw SystemError(fmt::format("{} is not written: {}. Check the room on that disk, your quota and the limit on the "
                                       "size of files (ulimit -f), or write elsewhere", path.string(), error));
     }
