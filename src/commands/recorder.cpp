@@ -44,7 +44,7 @@ Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folde
             path("energy"), std::vector<std::string>{"kinetic", "potential", "wall_work"});
         series_.solver = std::make_unique<SeriesWriter>(
             path("solver"), std::vector<std::string>{"residual", "residual_rms", "sweeps", "overlap_mean", "overlap_max",
-                                                     "contacts", "candidates", "rebuilds", "redone", "imbalance"});
+                                                     "contacts", "candidates", "rebuilds", "redone"});
     }
     share_errors();
 }
@@ -109,8 +109,7 @@ void Recorder::write_row(std::int64_t step, double time) {
                        static_cast<double>(simulation_.last_sweeps()), overlaps_.mean, overlaps_.largest,
                        static_cast<double>(overlaps_.contacts), static_cast<double>(overlaps_.candidates),
                        static_cast<double>(counters.rebuilds),
-                       static_cast<double>(counters.redone_lists + counters.redone_packs),
-                       simulation_.domain().last_imbalance()});
+                       static_cast<double>(counters.redone_lists + counters.redone_packs)});
     }
     share_errors();
 }

@@ -215,8 +215,8 @@ void check_single_grains(const Scene<2>& scene, Problems& problems) {
 
 /// A tile touches no grain of another tile of its colour only if it is wider than twice the reach (docs/architecture.md).
 void check_tiles(const Scene<2>& scene, const Radii& radii, Problems& problems) {
-    const double side = scene.tiles.side > 0 ? scene.tiles.side : 16 * radii.max;
-    const double skin = scene.tiles.skin > 0 ? scene.tiles.skin : 0.08 * radii.max;
+    const double side = scene.tiles.side_for(radii.max);
+    const double skin = scene.tiles.skin_for(radii.max);
     const double least = 2 * (2 * radii.max + skin);
     if (!(side > least)) {
         problems.add(

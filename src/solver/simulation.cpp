@@ -16,16 +16,11 @@ double largest_radius(const Scene<D>& scene) {
 }
 
 template <int D>
-double tile_side(const Scene<D>& scene) {
-    return scene.tiles.side > 0 ? scene.tiles.side : 16 * largest_radius(scene);
-}
-
-template <int D>
 Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels)
     : comm_(comm), scene_(scene), walls_(scene.walls),
-      domain_(comm, TileGrid<D>(scene.origin, tile_side(scene)), scene.balance), contacts_(scene, kernels),
+      domain_(comm, TileGrid<D>(scene.origin, scene.tiles.side_for(largest_radius(scene))), scene.balance), contacts_(scene, kernels),
       solver_(comm, watch_), sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
-    skin_ = scene.tiles.skin > 0 ? scene.tiles.skin : 0.3 * r_max_;
+    skin_ = scene.tiles.skin_for(r_max_);
 }
 
 template <int D>
@@ -142,6 +137,5 @@ std::uint64_t Simulation<D>::state_hash() const {
 
 template class Simulation<2>;
 template double largest_radius(const Scene<2>&);
-template double tile_side(const Scene<2>&);
 
 } // namespace nappe

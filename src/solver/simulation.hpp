@@ -142,8 +142,4 @@ private:
 template <int D>
 double largest_radius(const Scene<D>& scene);
 
-/// The scene's tile side, its default worked out [m].
-template <int D>
-double tile_side(const Scene<D>& scene);
-
 } // namespace nappe
