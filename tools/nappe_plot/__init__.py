@@ -1,1 +1,1 @@
-"""Pictures of a nappe run, from the files in its folder (docs/architecture.md, "Output")."""
+"""Pictures of a nappe run, from the files in its folder (docs/output.md)."""

@@ -41,8 +41,11 @@ def main():
     parser.add_argument("--times", type=times, help="of the frames to draw [s], e.g. 0,200,350,500; the nearest are taken")
     parser.add_argument("--out", type=Path, help="where the pictures go (DIR/pictures)")
     parser.add_argument("--only", type=names, default=list(PICTURES), help=f"some of {', '.join(PICTURES)}")
+    parser.add_argument("--dpi", type=int, help="dots per inch of the pictures of grains, which are 16 inches wide (300)")
     arguments = parser.parse_args()
     style.apply()
+    if arguments.dpi:
+        style.DPI_GRAINS = style.DPI_CHAINS = arguments.dpi
     try:
         run = Run(arguments.dir)
         chosen = run.choose(arguments.times)

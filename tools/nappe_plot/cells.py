@@ -1,21 +1,34 @@
 """What becomes of the cells (Fig. 8): their grains at the chosen times, a column per cell, a row per time."""
 
 import matplotlib.pyplot as plt
-import numpy as np
+from matplotlib.patheffects import withStroke
 
 from . import grains, palette, style
+
+
+BARS = [factor * 10**power for power in range(3, -5, -1) for factor in (5, 2, 1)]  # m
 
 
 def _extent(x):
     return x.max(axis=0) - x.min(axis=0)
 
 
-def _scale_bar(axis, half):
-    """A bar of a round length in the panel's lower left corner."""
-    length = next(m for m in (50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1, 0.01) if m <= 0.7 * half)
-    left, bottom = -0.92 * half, -0.90 * half
-    axis.plot([left, left + length], [bottom, bottom], color=palette.INK, linewidth=3, solid_capstyle="butt")
-    axis.text(left, bottom + 0.05 * half, f"{length:g} m", fontsize=11, ha="left", va="bottom")
+def _window(x, radius):
+    """A square that holds the disks, with room for the scale bar below them."""
+    low, high = (x - radius[:, None]).min(axis=0), (x + radius[:, None]).max(axis=0)
+    side = 1.24 * (high - low).max()
+    left, bottom = (low + high - side) / 2
+    bottom -= 0.06 * side
+    return grains.Window(left, left + side, bottom, bottom + side)
+
+
+def _scale_bar(axis, window, length):
+    """In the panel's lower left corner; of one length in a column, so that a bar that shrinks tells of the scale."""
+    side = window.x[1] - window.x[0]
+    left, bottom = window.x[0] + 0.05 * side, window.y[0] + 0.04 * side
+    halo = [withStroke(linewidth=5, foreground="white")]
+    axis.plot([left, left + length], [bottom] * 2, color=palette.INK, linewidth=3, solid_capstyle="butt", path_effects=halo)
+    axis.text(left, bottom + 0.025 * side, f"{length:g} m", fontsize=11, ha="left", va="bottom", path_effects=halo)
 
 
 def draw(run, chosen, out):
@@ -35,14 +48,16 @@ def draw(run, chosen, out):
     for column, (cell, name) in enumerate(cells):
         colour = palette.LINES[cell % len(palette.LINES)]
         at_first = _extent(first.x[first.members(cell)])
-        half = 0.56 * max(_extent(frame.x[frame.members(cell)]).max() for frame in frames)
+        mask = first.members(cell)
+        first_window = _window(first.x[mask], first.radius[mask])
+        bar = next(m for m in BARS if m <= 0.3 * (first_window.x[1] - first_window.x[0]))
         for row, frame in enumerate(frames):
             axis = axes[row, column]
             mask = frame.members(cell)
-            middle = (frame.x[mask].max(axis=0) + frame.x[mask].min(axis=0)) / 2
-            window = grains.Window(middle[0] - half, middle[0] + half, middle[1] - half, middle[1] + half)
+            window = _window(frame.x[mask], frame.radius[mask])
             grains.draw(axis, frame, grains.shades(frame, run.n_bed), window, edge=0.3, mask=mask)
             window.apply(axis)
+            _scale_bar(axis, window, bar)
             axis.set_xticks([])
             axis.set_yticks([])
             for spine in axis.spines.values():
@@ -53,8 +68,4 @@ def draw(run, chosen, out):
                 axis.set_title(name, color=colour, fontweight="bold")
             if column == 0:
                 axis.set_ylabel(f"t = {style.seconds(frame.time)}", labelpad=8)
-        corner = axes[0, column].inset_axes([0, 0, 1, 1], zorder=5)
-        corner.set(xlim=(-half, half), ylim=(-half, half), frame_on=False)
-        corner.set_axis_off()
-        _scale_bar(corner, half)
     yield style.save(figure, out / "cells.png", 220)

@@ -36,9 +36,10 @@ def draw(run, chosen, out):
     frames = [run.frame(k) for k in chosen]
     lines = [segments(frame, run.h) for frame in frames]
     strong = max(np.quantile(force, 0.998) for _, force in lines)
-    norm = Normalize(0, strong / 1e3, clip=True)
+    scale, unit = (1e6, "MN") if strong >= 2e6 else (1e3, "kN")
+    norm = Normalize(0, strong / scale, clip=True)
     windows = grains.deformed(run, frames)
-    figure, axes = layers.stack(windows, key_height=0.75)
+    figure, axes = layers.stack(windows, key_height=0.9)
     for axis, frame, (ends, force), window in zip(axes, frames, lines, windows):
         grains.draw(axis, frame, grains.shades(frame, run.n_bed, pale=0.72), window)
         grains.draw_walls(axis, frame)
@@ -51,14 +52,14 @@ def draw(run, chosen, out):
             LineCollection(
                 ends[seen],
                 linewidths=widest * np.minimum(force[seen] / strong, 1),
-                colors=INKS(norm(force[seen] / 1e3)),
+                colors=INKS(norm(force[seen] / scale)),
                 capstyle="round",
                 zorder=2,
             )
         )
         axis.set_title(layers.title_of(run, frame), loc="left")
     height = figure.get_figheight()
-    bar = figure.add_axes([0.62, 1 - 0.38 / height, 0.3, 0.16 / height])
-    scale = figure.colorbar(ScalarMappable(norm, INKS), cax=bar, orientation="horizontal", extend="max")
-    scale.set_label("normal force [kN per metre of depth]", labelpad=-44, fontsize=13)
-    yield style.save(figure, out / "chains.png", style.DPI_GRAINS)
+    bar = figure.add_axes([0.62, 1 - 0.55 / height, 0.3, 0.16 / height])
+    figure.colorbar(ScalarMappable(norm, INKS), cax=bar, orientation="horizontal", extend="max")
+    bar.set_title(f"normal force [{unit} per metre of depth]", fontsize=13)
+    yield style.save(figure, out / "chains.png", style.DPI_CHAINS)

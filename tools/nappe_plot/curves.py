@@ -9,12 +9,12 @@ SMOOTHED = "bold: mean over 1 % of the run; pale: as stored"
 
 
 def running_mean(values):
-    """Over 1 % of the rows, an odd number of them; narrower towards the ends, so that no end is invented."""
+    """Over 1 % of the rows, half of them before and half after; at the ends over those there are."""
     half = len(values) // 200
     total = np.concatenate([[0.0], np.cumsum(values)])
     row = np.arange(len(values))
-    reach = np.minimum(half, np.minimum(row, len(values) - 1 - row))
-    return (total[row + reach + 1] - total[row - reach]) / (2 * reach + 1)
+    first, last = np.maximum(row - half, 0), np.minimum(row + half + 1, len(values))
+    return (total[last] - total[first]) / (last - first)
 
 
 def _per_cell(run, quantities, out, unit_of=lambda values: (1.0, "")):

@@ -11,7 +11,8 @@ def title_of(run, frame):
     text = f"t = {style.seconds(frame.time)}"
     name, wall = run.moving_wall()
     if wall is not None:
-        text += f",  {name} at x = {np.interp(frame.time, wall['time'], wall['x']):.4g} m"
+        position = f"{np.interp(frame.time, wall['time'], wall['x']):.1f}".removesuffix(".0")
+        text += f",  {name} at x = {position} m"
     return text
 
 

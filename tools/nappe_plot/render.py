@@ -12,9 +12,12 @@ LAYERS_DRAWN = 16  # colours are given for this many layers
 
 def open_run(path):
     """The reader of run.xdmf and its times [s]. ParaView 5.11 wants an absolute path, or one that starts with ./."""
-    reader = simple.Xdmf3ReaderS(FileName=[str(path)])
-    reader.UpdatePipeline()
-    times = list(reader.TimestepValues) if hasattr(reader.TimestepValues, "__iter__") else [reader.TimestepValues]
+    reader = simple.OpenDataFile(str(path))
+    reader.UpdatePipelineInformation()
+    values = reader.TimestepValues
+    times = list(values) if hasattr(values, "__iter__") else [values]
+    if times:
+        reader.UpdatePipeline(times[0])
     arrays = reader.PointData.keys()
     missing = [name for name in ("radius", "layer") if name not in arrays]
     if not times or missing:
@@ -74,13 +77,15 @@ def main():
     view.Background = [1.0, 1.0, 1.0]
     view.UseColorPaletteForBackground = 0
     view.OrientationAxesVisibility = 0
+    simple._DisableFirstRenderCameraReset()  # the camera is set below
     show(reader, view)
     label = simple.Text(Text="")
     shown = simple.Show(label, view)
     shown.Color = palette.rgb(palette.INK)
     shown.FontSize = 30
     shown.WindowLocation = "Upper Right Corner"
-    wanted = arguments.times or [times[0], times[-1]]
+    first, last = times[0], times[-1]
+    wanted = arguments.times or [first, first + 0.4 * (last - first), first + 0.7 * (last - first), last]  # as tools/plot
     chosen = sorted({min(times, key=lambda t, w=w: abs(t - w)) for w in wanted})
     bounds = None
     for time in chosen:

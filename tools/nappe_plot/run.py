@@ -4,6 +4,7 @@ import csv
 import json
 import tomllib
 from pathlib import Path
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -49,16 +50,28 @@ class Run:
 
     def __init__(self, folder):
         self.folder = Path(folder).resolve()
-        self.frame_paths = sorted(self.folder.glob("frames/frame-*.hdf"))
-        if not self.frame_paths:
-            raise BadRun(f"{self.folder} holds no frames/frame-*.hdf; give the folder that `nappe run --out` wrote")
-        self.times = np.array([_time_of(path) for path in self.frame_paths])
+        self.times, self.frame_paths = self._index()
         self.summary = self._json("summary.json")
         try:
             self.scene = tomllib.loads(self.summary.get("scene", ""))
         except tomllib.TOMLDecodeError:
             self.scene = {}
         self._frames = {}
+
+    def _index(self):
+        """Times [s] and paths of the frames that run.xdmf lists: an earlier run may have left more in the folder."""
+        path = self.folder / "run.xdmf"
+        try:
+            grids = ElementTree.parse(path).getroot().findall("./Domain/Grid/Grid")
+            times = [float(grid.find("Time").get("Value")) for grid in grids]
+            files = [grid.find("./Geometry/DataItem").text.strip().rsplit(":", 1)[0] for grid in grids]
+        except FileNotFoundError:
+            raise BadRun(f"{self.folder} holds no run.xdmf; give the folder that `nappe run --out` wrote") from None
+        except (ElementTree.ParseError, AttributeError, ValueError) as error:
+            raise BadRun(f"{path} is not an index of frames as nappe writes it: {error}") from error
+        if not times:
+            raise BadRun(f"{path} lists no frame")
+        return np.array(times), [self.folder / file for file in files]
 
     def _json(self, name):
         path = self.folder / name
@@ -107,8 +120,8 @@ class Run:
     @property
     def n_bed(self):
         """Layers of the bed; a grain above it has the next number."""
-        layers = self.scene.get("sample", {}).get("layers", 9)
-        return len(layers) if isinstance(layers, list) else int(layers)
+        layers = self.scene.get("sample", {}).get("layers", {})
+        return len(layers) if isinstance(layers, list) else int(layers.get("count", 1))
 
     @property
     def h(self):
@@ -129,11 +142,3 @@ class Run:
             if travel > farthest[0]:
                 farthest = (travel, name, wall)
         return farthest[1:]
-
-
-def _time_of(path):
-    try:
-        with h5py.File(path, "r") as file:
-            return float(np.ravel(file.attrs["time"])[0])
-    except (OSError, KeyError) as error:
-        raise BadRun(f"{path} is not a frame of nappe: {error}") from error

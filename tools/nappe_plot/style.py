@@ -10,6 +10,7 @@ from . import palette
 WIDE = 16.0  # inches: a picture of the whole length
 PLOT = (11.0, 7.0)  # inches: curves
 DPI_GRAINS = 300  # the 1000 m fold then has 4.5 pixels a metre, enough to see its grains
+DPI_CHAINS = 200  # zoomed already
 DPI_CURVES = 160
 
 
