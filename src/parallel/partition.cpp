@@ -86,7 +86,8 @@ std::vector<std::int32_t> partition(const TileGraph& graph, std::int32_t n_parts
         return std::vector<std::int32_t>(graph.keys.size(), 0);
     }
     auto along = cut_along_keys(graph, n_parts);
-    if (graph.keys.size() < least_tiles_per_part * static_cast<std::size_t>(n_parts)) {
+    const bool idle = std::all_of(graph.weight.begin(), graph.weight.end(), [](std::int64_t w) { return w == 0; });
+    if (idle || graph.keys.size() < least_tiles_per_part * static_cast<std::size_t>(n_parts)) {
         return along;
     }
     auto part = cut_with_metis(graph, n_parts);

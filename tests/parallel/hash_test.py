@@ -1,0 +1,129 @@
+"""The same bits on any number of ranks, through the whole program: state hash, series, frames (but for the owning rank) and
+stored samples of small scenes, with tiles changing hands all the time."""
+
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from nappe_driver import SCENES, NappeTest, main, sets  # noqa: E402
+
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+
+FOLD = SCENES / "small_fold.toml"
+
+
+def contents(path):
+    """Everything in an HDF5 file, by name, but the owning ranks."""
+    found = {}
+
+    def visit(name, item):
+        found.update({f"{name}@{key}": np.asarray(value).tobytes() for key, value in item.attrs.items()})
+        if isinstance(item, h5py.Dataset) and not name.endswith("/rank"):
+            found[name] = (item.dtype.str, item.shape, item[()].tobytes())
+
+    with h5py.File(path, "r") as file:
+        visit("", file)
+        file.visititems(visit)
+    return found
+
+
+def rows_without_imbalance(path):
+    """The rows of a series; how evenly work is spread over ranks is the one figure that is about ranks."""
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    kept = [k for k, name in enumerate(rows[0]) if name != "imbalance"]
+    return [[row[k] for k in kept] for row in rows]
+
+
+def owners(path):
+    with h5py.File(path, "r") as file:
+        return file["VTKHDF/PointData/rank"][()]
+
+
+class SameBits(NappeTest):
+    def assert_same(self, one, many):
+        self.assertEqual(many.hash, one.hash)
+        self.assertEqual(many.files(), one.files())
+        for name in one.files():
+            a, b = one.out / name, many.out / name
+            if name.endswith(".hdf"):
+                expected, found = contents(a), contents(b)
+                self.assertEqual([k for k in expected if found.get(k) != expected[k]], [], name)
+                self.assertEqual(found.keys(), expected.keys())
+            elif name.endswith("/solver.csv"):
+                self.assertEqual(rows_without_imbalance(b), rows_without_imbalance(a), name)
+            elif name != "summary.json":
+                self.assertEqual(b.read_bytes(), a.read_bytes(), name)
+        same = ["grains", "contacts", "candidates", "steps", "time_simulated", "relaxations", "sweeps", "rebuilds"]
+        same += ["redone_lists", "redone_packs", "overlap_mean", "overlap_max", "overlap_max_of_run", "residual"]
+        for key in same:
+            self.assertEqual(many.summary[key], one.summary[key], key)
+
+    def runs(self, scene, rank_counts, *arguments):
+        """The run on one rank, and those on more, each with its own sample."""
+        one = self.run_scene(scene, *arguments, ranks=1, out="out-1", samples="samples-1")
+        yield 1, one
+        for n in rank_counts:
+            with self.subTest(ranks=n):
+                many = self.run_scene(scene, *arguments, ranks=n, out=f"out-{n}", samples=f"samples-{n}")
+                self.assertEqual(many.summary["ranks"], n)
+                self.assert_same(one, many)
+                self.assert_same_samples("samples-1", f"samples-{n}")
+                yield n, many
+
+    def assert_same_samples(self, one, many):
+        names = lambda folder: sorted(p.name for p in (self.folder / folder).glob("*"))  # noqa: E731
+        self.assertEqual(names(many), names(one))
+        for name in names(one):
+            a, b = (self.folder / f / name for f in (one, many))
+            self.assertEqual(b.read_bytes(), a.read_bytes(), f"sample {name}")
+
+    def test_many_tiles_that_change_hands(self):
+        for n, run in self.runs(FOLD, (2, 3, 5, 7)):
+            first, last = owners(run.out / "frames/frame-00000000.hdf"), owners(run.out / "frames/frame-00000060.hdf")
+            self.assertEqual(set(last), set(range(n)), "a rank is idle: the case is too easy")
+            if n > 1:
+                self.assertGreater(run.summary["rebalanced"], 1)
+                self.assertGreater(np.count_nonzero(first != last), 0, "no grain changed hands: the case is too easy")
+
+    def test_fewer_tiles_than_ranks(self):
+        for n, run in self.runs(FOLD, (2, 3, 5, 7), *sets(tiles__side=30)):
+            last = owners(run.out / "frames/frame-00000060.hdf")
+            self.assertEqual(len(set(last)), min(n, 2), "40 m are two tiles of 30 m")
+
+    def test_fewer_grains_than_ranks(self):
+        for n, run in self.runs(SCENES / "three_grains.toml", (2, 3, 5, 7)):
+            last = owners(run.out / "frames/frame-00000120.hdf")
+            self.assertEqual(len(last), 3)
+            if n > 1:
+                self.assertGreater(len(set(last)), 1, "one rank has it all: the case is too easy")
+            self.assertGreater(run.summary["relaxations"], 0, "nothing touched: the case is too easy")
+
+    def test_tolerance_substeps_and_restitution(self):
+        # All that steers by sums over ranks: V, the residual, and with it the number of sweeps.
+        keys = sets(solver__tolerance=1e-2, solver__max_sweeps=60, solver__substeps=2, laws__0__restitution=0.3)
+        for _, run in self.runs(FOLD, (2, 3, 7), *keys):
+            self.assertGreater(len(set(run.series("solver")["sweeps"][1:])), 1, "the tolerance never acted")
+
+    def test_sample_made_on_five_ranks_is_used_on_two(self):
+        one = self.run_scene(FOLD, ranks=1, out="out-1", samples="samples-1")
+        self.run_scene(FOLD, "--steps", "1", ranks=5, out="out-5", samples="samples-5")
+        two = self.run_scene(FOLD, ranks=2, out="out-2", samples="samples-5")
+        self.assertTrue(two.summary["sample_reused"])
+        self.assert_same(one, two)
+
+    def test_every_instruction_set(self):
+        one = self.run_scene(FOLD, "--kernel", "portable", ranks=1)
+        for kernel in ("avx2", "avx512"):
+            with open("/proc/cpuinfo") as file:
+                if {"avx2": " avx2 ", "avx512": " avx512vl "}[kernel] not in file.read():
+                    continue
+            with self.subTest(kernel=kernel):
+                other = self.run_scene(FOLD, "--kernel", kernel, ranks=2, out=kernel, samples=kernel)
+                self.assertEqual(other.summary["kernel"], kernel)
+                self.assert_same(one, other)
+
+
+if __name__ == "__main__":
+    main()
