@@ -98,9 +98,10 @@ inline double solid_fraction(const Sample<2>& sample, const std::vector<GrainRow
     return area / std::abs(signed_area(sample.profile));
 }
 
-/// Places of a lattice (an eighth of the smallest radius) where a disk of the largest radius touches nothing at all.
+/// Places of a lattice (an eighth of the smallest radius) where a disk would touch nothing at all, of a radius one percent
+/// up the range: it could fall to a stable place, so the filling must have gone on.
 inline int holes(const Sample<2>& sample, const std::vector<GrainRow<2>>& rows) {
-    const double r = sample.radii.max;
+    const double r = 0.99 * sample.radii.min + 0.01 * sample.radii.max;
     const double spacing = sample.radii.min / 8;
     Vec<2> low = sample.profile.front();
     Vec<2> high = low;

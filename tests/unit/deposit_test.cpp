@@ -1,5 +1,6 @@
 #include "core/deposit.hpp"
 
+#include "core/deposit_packing.hpp"
 #include "core/error.hpp"
 #include "core/random.hpp"
 #include "deposit_checks.hpp"
@@ -128,6 +129,23 @@ TEST(Deposit, PlacesNearlyAllRadiiDrawn) {
     EXPECT_GT(most, 0.56 - 0.14 * 10 / n);
 }
 
+// Two disks 0.4 apart, a small one sunk between them, another one hanging above: a disk on the first two must be large
+// enough to clear the one and small enough to clear the other.
+TEST(Packing, ObstaclesForbidSmallerOrLargerRadii) {
+    Packing packing({{0, 0}, {20, 0}, {20, 20}, {0, 20}}, 0.1, 2);
+    const Site site = {packing.add_disk({4, 1}, 1), packing.add_disk({6.4, 1}, 1)};
+    EXPECT_EQ(packing.try_site(site, 0.1).fit, Fit::too_small) << "falls through the gap";
+    EXPECT_EQ(packing.try_site(site, 0.3).fit, Fit::fits);
+    packing.add_disk({5.2, 1.2}, 0.2);
+    packing.add_disk({5.2, 3.2}, 0.3);
+    EXPECT_EQ(packing.try_site(site, 0.3).fit, Fit::too_small);
+    EXPECT_EQ(packing.try_site(site, 1.0).fit, Fit::too_large);
+    const Trial trial = packing.try_site(site, 0.6);
+    ASSERT_EQ(trial.fit, Fit::fits);
+    EXPECT_NEAR(trial.centre[0], 5.2, 1e-15 * 10);
+    EXPECT_NEAR(trial.centre[1], 1 + std::sqrt(1.6 * 1.6 - 1.2 * 1.2), 1e-15 * 10);
+}
+
 TEST(Deposit, QuarterTurnOfGravityTurnsEveryDigit) {
     const auto sample = fold(0.1);
     auto turned = sample;
@@ -171,10 +189,12 @@ TEST(Deposit, OrientationOfTheProfileDoesNotMatter) {
 }
 
 TEST(Deposit, OneColumnOfEqualGrains) {
-    const auto sample = sample_of({{0, 0}, {1, 0}, {1, 10}, {0, 10}}, 0.5, 0.5);
+    auto sample = sample_of({{0, 0}, {1, 0}, {1, 10}, {0, 10}}, 0.5, 0.5);
+    sample.layer_tops = {0.5};
     const auto rows = deposit(sample, density, down);
     expect_sound(sample, rows);
-    EXPECT_EQ(rows.size(), 10U);
+    ASSERT_EQ(rows.size(), 10U);
+    EXPECT_EQ(rows.front().layer, 2) << "a centre at a top, here 0.5 exactly, is not below it";
 }
 
 TEST(Deposit, OneNarrowColumnZigzags) {
