@@ -3,6 +3,7 @@
 
 #include "core/rows.hpp"
 #include "core/scene.hpp"
+#include "solver/disk_contacts.hpp"
 
 #include <string>
 #include <vector>
@@ -12,8 +13,8 @@ namespace nappe {
 /// What things cost; the defaults are those of disks with the frictional law.
 struct CostModel {
     double ns_per_relaxation = 8;                             ///< of one contact in one sweep on one rank [ns]
-    double bytes_per_grain = 170;                             ///< in memory: state, lists, halo
-    double bytes_per_contact = 90;                            ///< in memory, per candidate pair
+    double bytes_per_grain = State<2>::bytes_per_grain();     ///< in memory
+    double bytes_per_contact = CandidateSet<2>::bytes_per_candidate() + DiskContacts::bytes_per_packed; ///< in memory
     double frame_bytes_per_grain = sizeof(FrameGrain<2>);     ///< on disk
     double frame_bytes_per_contact = sizeof(FrameContact<2>); ///< on disk
 };

@@ -93,9 +93,10 @@ public:
         }
     }
 
-    std::size_t bytes_per_contact() const {
-        return sizeof(DiskBatch) / n_lanes + sizeof(std::int32_t) + (laws_.uniform ? 0 : sizeof(double));
-    }
+    /// Of a packed contact where one friction coefficient serves all.
+    static constexpr std::size_t bytes_per_packed = sizeof(DiskBatch) / n_lanes + sizeof(std::int32_t);
+
+    std::size_t bytes_per_contact() const { return bytes_per_packed + (laws_.uniform ? 0 : sizeof(double)); }
     const char* instruction_set() const { return kernels_.name; }
 
 private:
