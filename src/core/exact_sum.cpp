@@ -66,10 +66,20 @@ double ExactSum::value() const {
     while (top > 0 && digits[top] == 0) {
         --top;
     }
-    double magnitude = 0;
-    for (int k = top; k >= 0 && k > top - 3; --k) {
-        magnitude += std::ldexp(static_cast<double>(digits[k]), 32 * k + lowest_exponent);
+    if (digits[top] == 0) {
+        return 0;
     }
+    // The 64 leading bits, the last of them set if anything lies below: all that rounding to the nearest double needs.
+    const auto digit = [&](int k) { return k >= 0 ? static_cast<std::uint64_t>(digits[k]) : 0; };
+    const int shift = std::countl_zero(static_cast<std::uint32_t>(digits[top]));
+    const std::uint64_t third = digit(top - 2) << shift;
+    std::uint64_t leading = (((digit(top) << 32) | digit(top - 1)) << shift) | (third >> 32);
+    bool below = (third & 0xffffffffu) != 0;
+    for (int k = top - 3; k >= 0 && !below; --k) {
+        below = digits[k] != 0;
+    }
+    leading |= below ? 1 : 0;
+    const double magnitude = std::ldexp(static_cast<double>(leading), 32 * (top - 1) - shift + lowest_exponent);
     return negative ? -magnitude : magnitude;
 }
 

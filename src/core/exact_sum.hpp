@@ -23,7 +23,7 @@ public:
 
     void clear() { limbs_.fill(0); }
 
-    /// Local. The sum rounded towards zero at its 96th leading bit, then to double: the same whatever the order was.
+    /// Local. The sum rounded once, to the nearest double: the same whatever the order was.
     double value() const;
 
     /// For Communicator::sum over ranks.

@@ -41,7 +41,10 @@ Walls<D>::Walls(const std::vector<Wall<D>>& walls) {
             f.has_before = k > 0 || closed;
             f.has_after = k < n_segments;
             if (f.has_before) {
-                f.before = segments[k > 0 ? k - 1 : n_segments - 1].tangent;
+                const Feature& before = segments[k > 0 ? k - 1 : n_segments - 1];
+                f.before = before.tangent;
+                f.before_p = before.p;
+                f.before_length = before.length;
             }
             if (f.has_after) {
                 f.after = segments[k].tangent;
@@ -89,10 +92,12 @@ double Walls<D>::distance_ref(int feature, const Vec<D>& x) const {
 template <int D>
 WallContact<D> Walls<D>::contact(int sided, const Vec<D>& x, double radius) const {
     const Feature& f = feature(sided);
-    const Vec<D> d = x - (f.p + offset_mid[static_cast<std::size_t>(f.wall)]);
+    const Vec<D>& moved = offset_mid[static_cast<std::size_t>(f.wall)];
+    const Vec<D> d = x - (f.p + moved);
     WallContact<D> c;
     if (f.is_point) {
-        c.applies = (!f.has_before || d.dot(f.before) > 0) && (!f.has_after || d.dot(f.after) < 0);
+        const Vec<D> d_before = x - (f.before_p + moved);
+        c.applies = (!f.has_before || d_before.dot(f.before) > f.before_length) && (!f.has_after || d.dot(f.after) < 0);
         c.distance = d.norm();
         c.n = d / c.distance;
         return c;
@@ -107,6 +112,24 @@ WallContact<D> Walls<D>::contact(int sided, const Vec<D>& x, double radius) cons
     // On the other side but close to the line: went through. Far from it: came round the end of the wall.
     c.through = c.applies && sign != side && c.distance < 0.5 * radius;
     return c;
+}
+
+template <int D>
+bool Walls<D>::crossed(int sided, const Vec<D>& x, const Vec<D>& move) const {
+    const Feature& f = feature(sided);
+    if (f.is_point) {
+        return false;
+    }
+    const Vec<D> end = x - (f.p + offset_mid[static_cast<std::size_t>(f.wall)]);
+    const double side = sided % 2 == 0 ? 1.0 : -1.0;
+    const double height = side * cross(f.tangent, end);
+    const double height_before = height - side * cross(f.tangent, move);
+    if (!(height < 0 && height_before >= 0)) {
+        return false;
+    }
+    const double along = (end - move * (height / (height - height_before))).dot(f.tangent);
+    const double slack = 1e-9 * f.length; // well above round-off, so that a joint is no gap
+    return along >= -slack && along <= f.length + slack;
 }
 
 template <int D>

@@ -30,10 +30,13 @@ public:
         Vec<D> p = Vec<D>::Zero();        ///< the point, or the segment's start
         Vec<D> tangent = Vec<D>::Zero();  ///< segment: unit direction from its start to its end
         double length = 0;                ///< segment [m]
-        // A point applies where both segments that meet in it have their nearest point there.
+        // A point applies where both segments that meet in it have their nearest point there, asked in their own arithmetic:
+        // round-off must leave no gap between a point and its segments.
         bool has_before = false, has_after = false;
-        Vec<D> before = Vec<D>::Zero(); ///< direction of the segment that ends in the point
-        Vec<D> after = Vec<D>::Zero();  ///< direction of the segment that starts from it
+        Vec<D> before = Vec<D>::Zero();   ///< direction of the segment that ends in the point
+        Vec<D> before_p = Vec<D>::Zero(); ///< that segment's start
+        double before_length = 0;         ///< and length [m]
+        Vec<D> after = Vec<D>::Zero();    ///< direction of the segment that starts from the point
     };
 
     explicit Walls(const std::vector<Wall<D>>& walls);
@@ -56,6 +59,10 @@ public:
 
     /// Contact of a grain with a feature at the predicted displacement.
     WallContact<D> contact(int sided, const Vec<D>& x, double radius) const;
+
+    /// Whether a straight way that ends in x, at the predicted displacement, and is `move` long as the wall sees it, went through
+    /// the segment from its side `sided`: what `contact` can not tell of a grain that is fast enough to be far on the other side.
+    bool crossed(int sided, const Vec<D>& x, const Vec<D>& move) const;
 
     // One row per wall, by the same theta-scheme as the grains'.
     std::vector<Vec<D>> offset;     ///< displacement at the start of the step [m]

@@ -13,6 +13,17 @@ double normal_speed(const Vec<2>& n, const BodyVelocity<2>& a, const BodyVelocit
     return n[0] * (a.v[0] - b.v[0]) + n[1] * (a.v[1] - b.v[1]);
 }
 
+/// Detection positions go from x_mid - h v to x_mid from one step to the next.
+bool went_through(const State<2>& state, const Walls<2>& walls, const ContactGeometry<2>& g, LocalId a, LocalId b,
+                  double h) {
+    if (g.through || b < state.n_held()) {
+        return g.through;
+    }
+    const auto& v_a = state.u_old[a].v;
+    const auto& v_b = state.u_old[b].v;
+    return walls.crossed(b - state.n_held(), state.x_mid[a], h * Vec<2>(v_a[0] - v_b[0], v_a[1] - v_b[1]));
+}
+
 } // namespace
 
 PairLaws::PairLaws(const Scene<2>& scene) : n_(static_cast<int>(scene.materials.size())) {
@@ -53,7 +64,7 @@ PackFaults DiskContacts::pack(const State<2>& state, const CandidateSet<2>& cand
             for (auto c = candidates.class_begin[k]; c < candidates.class_end(tile, k); ++c) {
                 const LocalId a = candidates.a[c], b = candidates.b[c];
                 const auto g = contact_geometry(state, walls, a, b);
-                if (g.through && state.id[a] < faults.through_wall) {
+                if (went_through(state, walls, g, a, b, h) && state.id[a] < faults.through_wall) {
                     faults.through_wall = state.id[a];
                     faults.wall = walls.feature(b - state.n_held()).wall;
                 }

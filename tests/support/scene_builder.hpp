@@ -75,7 +75,8 @@ public:
     }
 
     /// A deposit that fills [0, width] x [0, height], between a floor (wall 0), a left (1) and a right wall (2).
-    SceneBuilder& box(double width, double height, const RadiusLaw& radii, std::uint64_t seed = 1, int wall_material = 0) {
+    SceneBuilder& box(double width, double height, const RadiusLaw& radii, std::uint64_t seed = 1,
+                      int wall_material = 0) {
         Sample<2> sample;
         sample.radii = radii;
         sample.profile = {{0, 0}, {width, 0}, {width, height}, {0, height}};

@@ -1,0 +1,224 @@
+// DiskContacts: which candidates a step packs, what a batch holds, and that impulses come back to their candidates.
+
+#include "solver/disk_contacts.hpp"
+
+#include "core/neighbours.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+namespace nappe {
+namespace {
+
+constexpr double h = 0.01, r = 0.5;
+
+/// A row of pairs far apart: pair k has gap[k] and closes at approach[k]; one more grain stands over a floor at a gap of 0.2 r.
+struct Fixture {
+    explicit Fixture(const std::vector<double>& gaps, const std::vector<double>& approaches, double restitution = 0,
+                     double friction_of_floor = 0.5) {
+        scene.materials = {{"rock", 1}, {"floor", 0}};
+        scene.laws = {{0, 0, 0.5, restitution}, {0, 1, friction_of_floor, restitution}};
+        Wall<2> floor;
+        floor.name = "floor";
+        floor.material = 1;
+        floor.points = {{-1, 0}, {3, 0}};
+        scene.walls = {floor};
+        walls = Walls<2>(scene.walls);
+        std::vector<GrainRecord<2>> grains;
+        const auto add = [&](double x, double y, double vx, double mass) {
+            GrainRecord<2> g;
+            g.id = static_cast<GlobalId>(grains.size());
+            g.x = {x, y};
+            g.u.v = {vx, 0};
+            g.u.inv_m = 1 / mass;
+            g.mass = mass;
+            g.radius = r;
+            g.margin = 1;
+            grains.push_back(g);
+        };
+        add(1, 1.2 * r, 0, 2);
+        for (std::size_t k = 0; k < gaps.size(); ++k) {
+            const double x = 20.0 * static_cast<double>(k + 1);
+            add(x, 10, approaches[k], 2);
+            add(x + 2 * r + gaps[k], 10, 0, 3);
+        }
+        state.assign(grains, {}, walls.n_bodies());
+        for (LocalId k = state.n_held(); k < state.null_body(); ++k) {
+            state.material[k] = 1;
+        }
+        candidates = find_candidates(state, TileGrid<2>({0, 0}, 1000), walls, {});
+    }
+
+    /// Lower ids of the packed grain pairs, with what was packed.
+    struct Packed {
+        Vec<2> n;
+        double r_n, r_t;
+        bool wall;
+    };
+    std::map<GlobalId, Packed> packed(const DiskContacts& contacts) const {
+        std::map<GlobalId, Packed> found;
+        for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
+            contacts.for_each(t, [&](LocalId a, LocalId b, const Vec<2>& n, double r_n, double r_t) {
+                found[state.id[a]] = {n, r_n, r_t, b >= state.n_held()};
+            });
+        }
+        return found;
+    }
+
+    Scene<2> scene;
+    Walls<2> walls = Walls<2>(std::vector<Wall<2>>{});
+    State<2> state;
+    CandidateSet<2> candidates;
+};
+
+/// Packed: a gap up to 1 % of both radii, or one that twice the present approach would close; ids 1, 3, 5 … are the pairs.
+TEST(DiskContacts, PacksWhatMayActInTheStep) {
+    const double size = 2 * r;
+    Fixture f({-0.1, 0.0, 0.0099 * size, 0.0101 * size, 0.1, 0.1, 0.1},
+              {0, 0, 0, 0, 0, 1.01 * 0.09 / (2 * h), 0.99 * 0.09 / (2 * h)});
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    contacts.pack(f.state, f.candidates, f.walls, h, false);
+    const auto found = f.packed(contacts);
+    EXPECT_TRUE(found.count(1)) << "overlap";
+    EXPECT_TRUE(found.count(3)) << "touching";
+    EXPECT_TRUE(found.count(5)) << "within 1 %";
+    EXPECT_FALSE(found.count(7)) << "beyond 1 %";
+    EXPECT_FALSE(found.count(9)) << "far and at rest";
+    EXPECT_TRUE(found.count(11)) << "closes";
+    EXPECT_FALSE(found.count(13)) << "closes too slowly";
+    EXPECT_FALSE(found.count(0)) << "0.2 r above the floor, at rest";
+    EXPECT_EQ(contacts.n_active(), 4);
+    ASSERT_EQ(f.candidates.tiles.size(), 1u);
+    EXPECT_EQ(contacts.n_active(0), 4);
+    EXPECT_NEAR((found.at(1).n - Vec<2>(-1, 0)).norm(), 0, 1e-15) << "from b to a";
+
+    contacts.pack(f.state, f.candidates, f.walls, h, true);
+    EXPECT_EQ(contacts.n_active(), 8) << "all seven pairs and the floor's middle";
+    EXPECT_TRUE(f.packed(contacts).at(0).wall);
+    EXPECT_EQ(f.packed(contacts).at(0).n, (Vec<2>(0, 1)));
+}
+
+/// With restitution a contact acts only if free flight closes the gap within the step: there is no gap bias.
+TEST(DiskContacts, RestitutionWaitsForTheTouch) {
+    Fixture f({0.001, 0.001, -0.001, -0.001}, {1.01 * 0.001 / h, 0.99 * 0.001 / h, 0, -3}, 0.5);
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    for (const bool all : {false, true}) {
+        contacts.pack(f.state, f.candidates, f.walls, h, all);
+        const auto found = f.packed(contacts);
+        EXPECT_TRUE(found.count(1));
+        EXPECT_FALSE(found.count(3)) << "not in this step";
+        EXPECT_TRUE(found.count(5));
+        EXPECT_TRUE(found.count(7)) << "an overlap counts, even while it opens";
+    }
+}
+
+TEST(DiskContacts, NoticesWhatItShouldHavePacked) {
+    Fixture f({0.1, 0.1}, {0, 0});
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    contacts.pack(f.state, f.candidates, f.walls, h, false);
+    EXPECT_EQ(contacts.n_active(), 0);
+    EXPECT_FALSE(contacts.missed_any(f.state, f.candidates, f.walls, h));
+    f.state.u[3].v[0] = 0.99 * 0.1 / h; // grain 3 is pair 1's left one
+    EXPECT_FALSE(contacts.missed_any(f.state, f.candidates, f.walls, h)) << "stops short of touching";
+    f.state.u[3].v[0] = 1.01 * 0.1 / h;
+    EXPECT_TRUE(contacts.missed_any(f.state, f.candidates, f.walls, h));
+    f.state.u[3].v[0] = 0;
+    f.state.u[0].v[1] = -1.01 * 0.2 * r / h;
+    EXPECT_TRUE(contacts.missed_any(f.state, f.candidates, f.walls, h)) << "the floor";
+    contacts.pack(f.state, f.candidates, f.walls, h, true);
+    EXPECT_FALSE(contacts.missed_any(f.state, f.candidates, f.walls, h)) << "nothing is left out";
+}
+
+TEST(DiskContacts, ImpulsesComeBackToTheirCandidates) {
+    std::vector<double> gaps, approaches;
+    for (int k = 0; k < 21; ++k) { // more than two batches, the last one padded; every fourth is left out
+        gaps.push_back(k % 4 == 3 ? 0.1 : 0.0);
+        approaches.push_back(0);
+    }
+    Fixture f(gaps, approaches);
+    for (std::int32_t c = 0; c < f.candidates.size(); ++c) {
+        f.candidates.r[c] = {1.0 + c, {-0.25 * c}};
+    }
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    contacts.pack(f.state, f.candidates, f.walls, h, false);
+    EXPECT_EQ(contacts.n_active(), 16);
+    auto stored = f.candidates;
+    std::fill(stored.r.begin(), stored.r.end(), Impulse<2>{99, {99}});
+    contacts.store(stored);
+    const auto found = f.packed(contacts);
+    for (std::int32_t c = 0; c < stored.size(); ++c) {
+        const auto id = f.state.id[f.candidates.a[c]];
+        const bool packed = found.count(id) != 0 && f.candidates.b[c] < f.state.n_held();
+        EXPECT_EQ(stored.r[c].n, packed ? 1.0 + c : 0.0) << c;
+        EXPECT_EQ(stored.r[c].t[0], packed ? -0.25 * c : 0.0) << c;
+        if (packed) {
+            EXPECT_EQ(found.at(id).r_n, 1.0 + c);
+        }
+    }
+}
+
+/// A warm start: each impulse changes v by r/m, and the rim speeds of both by -2 r_t/m.
+TEST(DiskContacts, AppliesImpulsesToBothBodies) {
+    Fixture f({0.0}, {0});
+    f.candidates.r[f.candidates.size() - 1] = {6, {-1.5}};
+    ASSERT_EQ(f.state.id[f.candidates.a[f.candidates.size() - 1]], 1);
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    contacts.pack(f.state, f.candidates, f.walls, h, false);
+    contacts.apply(0, f.state.u);
+    const auto& a = f.state.u[1]; // mass 2, n = (-1, 0), t = (0, -1)
+    const auto& b = f.state.u[2]; // mass 3
+    EXPECT_DOUBLE_EQ(a.v[0], -3);
+    EXPECT_DOUBLE_EQ(a.v[1], 0.75);
+    EXPECT_DOUBLE_EQ(a.s[0], 1.5);
+    EXPECT_DOUBLE_EQ(b.v[0], 2);
+    EXPECT_DOUBLE_EQ(b.v[1], -0.5);
+    EXPECT_DOUBLE_EQ(b.s[0], 1);
+}
+
+/// One contact of two disks of 2 and 3 kg that close at u_n = -5 and slip at u_t = 1: W_nn = 5/6, the wanted impulses are 6 and
+/// -u_t / (3 W_nn) = -0.4, well within mu r_n = 3. The residual at zero impulse is W r = (5, 3 W_nn 0.4 = 1); solved, it is 0.
+TEST(DiskContacts, ResidualOfOneContact) {
+    Fixture f({0.0}, {5});
+    f.state.u[1].v[1] = -1; // v_t = t·(v_a - v_b), t = (0, -1)
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    contacts.pack(f.state, f.candidates, f.walls, h, false);
+    EXPECT_NEAR(contacts.residual(0, f.state.u).largest_squared, 26, 1e-13);
+    EXPECT_NEAR(contacts.residual(0, f.state.u).sum_squared, 26, 1e-13);
+    EXPECT_EQ(contacts.residual(0, f.state.u).contacts, 1);
+    EXPECT_NEAR(contacts.touching_speed(0, f.state.u).first, 26, 1e-13);
+    EXPECT_EQ(contacts.touching_speed(0, f.state.u).second, 1);
+    contacts.relax(0, f.state.u);
+    EXPECT_NEAR(contacts.residual(0, f.state.u).largest_squared, 0, 1e-28) << "squares of round-off";
+    EXPECT_NEAR(f.packed(contacts).at(1).r_n, 6, 1e-14);
+    EXPECT_NEAR(f.packed(contacts).at(1).r_t, -0.4, 1e-14);
+}
+
+/// A scene whose laws differ in friction keeps one coefficient per contact; one whose laws agree keeps none.
+TEST(DiskContacts, FrictionIsKeptPerContactOnlyWhereLawsDiffer) {
+    Fixture same({0.0}, {0}), different({0.0}, {0}, 0, 0.1);
+    EXPECT_TRUE(PairLaws(same.scene).uniform);
+    EXPECT_FALSE(PairLaws(different.scene).uniform);
+    EXPECT_EQ(PairLaws(different.scene).friction(1, 0), 0.1);
+    EXPECT_EQ(PairLaws(different.scene).friction(0, 1), 0.1);
+    EXPECT_EQ(PairLaws(different.scene).friction(0, 0), 0.5);
+    const DiskContacts one(same.scene, disk_kernels("portable")), many(different.scene, disk_kernels("portable"));
+    EXPECT_EQ(many.bytes_per_contact(), one.bytes_per_contact() + sizeof(double));
+}
+
+TEST(DiskContacts, ReportsTheLowestGrainThatWentThrough) {
+    Fixture f({0.0}, {0});
+    DiskContacts contacts(f.scene, disk_kernels("portable"));
+    EXPECT_EQ(contacts.pack(f.state, f.candidates, f.walls, h, false).through_wall, PackFaults::none);
+    f.state.x_mid[0][1] = -0.1 * r;
+    const auto faults = contacts.pack(f.state, f.candidates, f.walls, h, false);
+    EXPECT_EQ(faults.through_wall, 0);
+    EXPECT_EQ(faults.wall, 0);
+    f.state.x_mid[0][1] = -3;
+    f.state.u_old[0].v[1] = -(3 + 1.2 * r) / h; // as far as one step brings it
+    EXPECT_EQ(contacts.pack(f.state, f.candidates, f.walls, h, false).through_wall, 0) << "fast";
+}
+
+} // namespace
+} // namespace nappe
