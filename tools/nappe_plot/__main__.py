@@ -38,10 +38,10 @@ def names(text):
 def main():
     parser = argparse.ArgumentParser(prog="tools/plot", description="Draws the pictures of a run.")
     parser.add_argument("dir", metavar="DIR", type=Path, help="what nappe run --out wrote")
-    parser.add_argument("--times", type=times, help="of the frames to draw [s], e.g. 0,200,350,500; the nearest are taken")
+    parser.add_argument("--times", type=times, help="of the frames to draw [s]: 0,200,350,500; the nearest are taken")
     parser.add_argument("--out", type=Path, help="where the pictures go (DIR/pictures)")
     parser.add_argument("--only", type=names, default=list(PICTURES), help=f"some of {', '.join(PICTURES)}")
-    parser.add_argument("--dpi", type=int, help="dots per inch of the pictures of grains, which are 16 inches wide (300)")
+    parser.add_argument("--dpi", type=int, help="of the pictures of grains, which are 16 inches wide (300)")
     arguments = parser.parse_args()
     style.apply()
     if arguments.dpi:

@@ -27,7 +27,8 @@ def _scale_bar(axis, window, length):
     side = window.x[1] - window.x[0]
     left, bottom = window.x[0] + 0.05 * side, window.y[0] + 0.04 * side
     halo = [withStroke(linewidth=5, foreground="white")]
-    axis.plot([left, left + length], [bottom] * 2, color=palette.INK, linewidth=3, solid_capstyle="butt", path_effects=halo)
+    ends = [left, left + length], [bottom, bottom]
+    axis.plot(*ends, color=palette.INK, linewidth=3, solid_capstyle="butt", path_effects=halo)
     axis.text(left, bottom + 0.025 * side, f"{length:g} m", fontsize=11, ha="left", va="bottom", path_effects=halo)
 
 
@@ -63,7 +64,8 @@ def draw(run, chosen, out):
             for spine in axis.spines.values():
                 spine.set(visible=True, color="#cccccc")
             stretch = _extent(frame.x[mask]) / at_first
-            axis.set_xlabel(rf"$\lambda_x$ = {stretch[0]:.2f}   $\lambda_y$ = {stretch[1]:.2f}", fontsize=12, labelpad=3)
+            text = rf"$\lambda_x$ = {stretch[0]:.2f}   $\lambda_y$ = {stretch[1]:.2f}"
+            axis.set_xlabel(text, fontsize=12, labelpad=3)
             if row == 0:
                 axis.set_title(name, color=colour, fontweight="bold")
             if column == 0:

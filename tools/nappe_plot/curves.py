@@ -71,7 +71,8 @@ def draw_front(run, chosen, out):
     position = np.interp(front["time"][known], wall["time"], wall["x"])
     reached = front["front"][known]
     figure, axis = plt.subplots(figsize=style.PLOT, layout="constrained")
-    axis.plot(position, reached[0] + position - position[0], color=palette.MUTED, linestyle="--", label="front at first + wall travel")
+    rigid = reached[0] + position - position[0]
+    axis.plot(position, rigid, color=palette.MUTED, linestyle="--", label="front at first + wall travel")
     axis.plot(position, reached, color=palette.LINES[0], drawstyle="steps-post", label="wedge front")
     axis.set_xlabel(f"position of the {name} [m]")
     axis.set_ylabel("wedge front [m]")

@@ -21,7 +21,10 @@ def open_run(path):
     arrays = reader.PointData.keys()
     missing = [name for name in ("radius", "layer") if name not in arrays]
     if not times or missing:
-        sys.exit(f"render: ParaView finds {len(times)} times and the arrays {list(arrays)} in {path}; radius and layer are needed")
+        sys.exit(
+            f"render: {path} needs the arrays radius and layer at one time at least; ParaView finds {len(times)} times "
+            f"and the arrays {list(arrays)}"
+        )
     return reader, times
 
 
@@ -37,8 +40,8 @@ def show(reader, view):
     colours = simple.GetColorTransferFunction("layer")
     colours.InterpretValuesAsCategories = 1
     colours.Annotations = [text for k in range(1, LAYERS_DRAWN + 1) for text in (str(k), str(k))]
-    n_bed = len(palette.BED)
-    colours.IndexedColors = [part for k in range(1, LAYERS_DRAWN + 1) for part in palette.rgb(palette.layer_colour(k, n_bed))]
+    table = [palette.layer_colour(k, len(palette.BED)) for k in range(1, LAYERS_DRAWN + 1)]
+    colours.IndexedColors = [part for colour in table for part in palette.rgb(colour)]
     shown.Ambient, shown.Diffuse, shown.Specular = 0.55, 0.5, 0.0
     return balls
 
@@ -59,10 +62,14 @@ def aim(view, bounds, width):
     return [width, height]
 
 
+def times(text):
+    return [float(part) for part in text.split(",")]
+
+
 def main():
     parser = argparse.ArgumentParser(prog="tools/render", description="Draws the layers with ParaView.")
     parser.add_argument("dir", metavar="DIR", type=Path, help="what nappe run --out wrote")
-    parser.add_argument("--times", type=lambda text: [float(t) for t in text.split(",")], help="the nearest are taken [s]")
+    parser.add_argument("--times", type=times, help="of the frames to draw [s]; the nearest are taken")
     parser.add_argument("--out", type=Path, help="where the pictures go (DIR/pictures)")
     parser.add_argument("--width", type=int, default=2400, help="pixels")
     arguments = parser.parse_args()
@@ -72,7 +79,7 @@ def main():
     out = arguments.out or folder / "pictures"
     out.mkdir(parents=True, exist_ok=True)
 
-    reader, times = open_run(folder / "run.xdmf")
+    reader, at = open_run(folder / "run.xdmf")
     view = simple.CreateView("RenderView")
     view.Background = [1.0, 1.0, 1.0]
     view.UseColorPaletteForBackground = 0
@@ -84,9 +91,9 @@ def main():
     shown.Color = palette.rgb(palette.INK)
     shown.FontSize = 30
     shown.WindowLocation = "Upper Right Corner"
-    first, last = times[0], times[-1]
-    wanted = arguments.times or [first, first + 0.4 * (last - first), first + 0.7 * (last - first), last]  # as tools/plot
-    chosen = sorted({min(times, key=lambda t, w=w: abs(t - w)) for w in wanted})
+    first, last = at[0], at[-1]
+    wanted = arguments.times or [first, first + 0.4 * (last - first), first + 0.7 * (last - first), last]
+    chosen = sorted({min(at, key=lambda t, w=w: abs(t - w)) for w in wanted})  # as tools/plot chooses
     bounds = None
     for time in chosen:
         reader.UpdatePipeline(time)

@@ -5,6 +5,8 @@ import numpy as np
 
 from . import palette, style
 
+ENERGY_UNITS = [(1e9, "GJ"), (1e6, "MJ"), (1e3, "kJ"), (1.0, "J")]
+
 
 def _positive(values):
     return np.where(values > 0, values, np.nan)
@@ -20,7 +22,7 @@ def _log(axis, series, columns, title, label):
 
 def _joules(values):
     largest = max(np.nanmax(abs(v)) for v in values)
-    return (1e9, "GJ") if largest >= 1e9 else (1e6, "MJ") if largest >= 1e6 else (1e3, "kJ") if largest >= 1e3 else (1.0, "J")
+    return next((size, unit) for size, unit in ENERGY_UNITS if largest >= size or size == 1.0)
 
 
 def draw(run, chosen, out):
