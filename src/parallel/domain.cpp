@@ -188,6 +188,7 @@ template <int D>
 void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<ContactRow<D>> impulses,
                            LocalId n_wall_bodies, State<D>& state, ContactMemory<D>& memory) {
     count(grains, true);
+    imbalance_ = 1;
     settle_tiles(grains);
     // Before any contact is known, a tile's work is its grains, and neighbours share what the smaller one has.
     std::unordered_map<TileKey, std::int64_t> n_in;

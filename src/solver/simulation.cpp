@@ -44,7 +44,11 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     walls_ = Walls<D>(scene_.walls);
     stage_start_ = 0;
     stage_steps_ = 0;
+    // Nothing may tell a sample made in this run from one found in the store: not the series' first row, not when tiles move.
     counters_ = {};
+    last_balance_ = 0;
+    last_residual_.reset();
+    last_sweeps_ = 0;
     ContactMemory<D> memory;
     domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory);
     candidates_ = {};

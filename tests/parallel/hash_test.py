@@ -29,13 +29,6 @@ def contents(path):
     return found
 
 
-def rows_without_imbalance(path):
-    """The rows of a series; how evenly work is spread over ranks is the one figure that is about ranks."""
-    rows = [line.split(",") for line in path.read_text().splitlines()]
-    kept = [k for k, name in enumerate(rows[0]) if name != "imbalance"]
-    return [[row[k] for k in kept] for row in rows]
-
-
 def owners(path):
     with h5py.File(path, "r") as file:
         return file["VTKHDF/PointData/rank"][()]
@@ -51,8 +44,6 @@ class SameBits(NappeTest):
                 expected, found = contents(a), contents(b)
                 self.assertEqual([k for k in expected if found.get(k) != expected[k]], [], name)
                 self.assertEqual(found.keys(), expected.keys())
-            elif name.endswith("/solver.csv"):
-                self.assertEqual(rows_without_imbalance(b), rows_without_imbalance(a), name)
             elif name != "summary.json":
                 self.assertEqual(b.read_bytes(), a.read_bytes(), name)
         same = ["grains", "contacts", "candidates", "steps", "time_simulated", "relaxations", "sweeps", "rebuilds"]
@@ -102,7 +93,7 @@ class SameBits(NappeTest):
 
     def test_tolerance_substeps_and_restitution(self):
         # All that steers by sums over ranks: V, the residual, and with it the number of sweeps.
-        keys = sets(solver__tolerance=1e-2, solver__max_sweeps=60, solver__substeps=2, laws__0__restitution=0.3)
+        keys = sets(solver__tolerance=0.1, solver__max_sweeps=60, solver__substeps=2, laws__0__restitution=0.3)
         for _, run in self.runs(FOLD, (2, 3, 7), *keys):
             self.assertGreater(len(set(run.series("solver")["sweeps"][1:])), 1, "the tolerance never acted")
 
@@ -120,7 +111,7 @@ class SameBits(NappeTest):
                 if {"avx2": " avx2 ", "avx512": " avx512vl "}[kernel] not in file.read():
                     continue
             with self.subTest(kernel=kernel):
-                other = self.run_scene(FOLD, "--kernel", kernel, ranks=2, out=kernel, samples=kernel)
+                other = self.run_scene(FOLD, "--kernel", kernel, ranks=2, out=f"out-{kernel}", samples=f"samples-{kernel}")
                 self.assertEqual(other.summary["kernel"], kernel)
                 self.assert_same(one, other)
 
