@@ -1,5 +1,7 @@
 #include "core/neighbours.hpp"
 
+#include "core/error.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <unordered_map>
@@ -85,7 +87,9 @@ private:
             const TileKey key = grid_.key(state_.x_ref[i]);
             LocalId j = i;
             double extent = 0;
+            NAPPE_ASSERT(!slot_of_.contains(key), "rows are not sorted by tile at row " + std::to_string(i));
             while (j < to && grid_.key(state_.x_ref[j]) == key) {
+                NAPPE_ASSERT(j == i || state_.id[j - 1] < state_.id[j], "ids fall within a tile at row " + std::to_string(j));
                 extent = std::max(extent, state_.radius[j] + state_.margin[j]);
                 ++j;
             }

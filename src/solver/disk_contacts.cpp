@@ -1,6 +1,7 @@
 #include "solver/disk_contacts.hpp"
 
 #include "core/contact_geometry.hpp"
+#include "core/error.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,18 @@ bool went_through(const State<2>& state, const Walls<2>& walls, const ContactGeo
     const auto& v_a = state.u_old[a].v;
     const auto& v_b = state.u_old[b].v;
     return walls.crossed(b - state.n_held(), state.x_mid[a], h * Vec<2>(v_a[0] - v_b[0], v_a[1] - v_b[1]));
+}
+
+/// Whether a or b is in the batch already; walls may be, they are never written.
+[[maybe_unused]] bool shares_grain(const DiskBatch& batch, LocalId a, LocalId b, LocalId n_grains) {
+    for (int l = 0; l < n_lanes; ++l) {
+        for (const LocalId other : {batch.a[l], batch.b[l]}) {
+            if (other < n_grains && (other == a || other == b)) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 } // namespace
@@ -98,6 +111,8 @@ PackFaults DiskContacts::pack(const State<2>& state, const CandidateSet<2>& cand
                     lane = 0;
                 }
                 DiskBatch& batch = batches_.back();
+                NAPPE_ASSERT(!shares_grain(batch, a, b, state.n_held()),
+                             "a batch holds grain " + std::to_string(state.id[a]) + " or its partner twice");
                 batch.nx[lane] = g.n[0];
                 batch.ny[lane] = g.n[1];
                 batch.bias[lane] = bias;
