@@ -95,7 +95,7 @@ std::string link_name(const std::string& name, std::size_t index, const std::set
     std::string link = name;
     std::replace(link.begin(), link.end(), '/', '_');
     while (link.empty() || link == "." || taken.contains(link)) {
-        link += "_" + std::to_string(index);
+        link = fmt::format("{}_{}", link, index);
     }
     return link;
 }

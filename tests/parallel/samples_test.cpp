@@ -1,5 +1,6 @@
 // Stored samples come back bit for bit on any number of ranks, or not at all.
 #include "io/id_blocks.hpp"
+#include "io/sample_manifest.hpp"
 #include "io/sample_store.hpp"
 #include "parallel/made_up_frame.hpp"
 #include "parallel/shared_folder.hpp"
@@ -105,17 +106,26 @@ TEST(Samples, OfAnotherOriginAreNotFound) {
     other.physics_revision = 4;
     EXPECT_NE(other.key(), origin.key());
     EXPECT_FALSE(load_sample<2>(world, folder.path(), other).sample);
-    // Even under this one's name (two texts of one checksum would meet there).
+    // Nor under this one's name, and not even with a manifest of this one's key: two texts of one checksum would meet so.
+    const auto json_path = sample_path(folder.path(), other).replace_extension(".json");
     if (world.is_root()) {
-        for (const char* ending : {".hdf", ".json"}) {
-            const auto from = sample_path(folder.path(), origin).replace_extension(ending);
-            std::filesystem::rename(from, sample_path(folder.path(), other).replace_extension(ending));
-        }
+        const auto from = sample_path(folder.path(), origin);
+        std::filesystem::rename(from, sample_path(folder.path(), other));
+        std::filesystem::rename(std::filesystem::path(from).replace_extension(".json"), json_path);
     }
     world.barrier();
-    const auto found = load_sample<2>(world, folder.path(), other);
-    EXPECT_FALSE(found.sample);
-    EXPECT_NE(found.reason.find("another sample"), std::string::npos) << found.reason;
+    const auto renamed = load_sample<2>(world, folder.path(), other);
+    EXPECT_FALSE(renamed.sample);
+    EXPECT_NE(renamed.reason.find("manifest is of another sample"), std::string::npos) << renamed.reason;
+    if (world.is_root()) {
+        auto manifest = parse_manifest(read_text(json_path), origin.key());
+        manifest.key = other.key();
+        std::ofstream(json_path) << format_manifest(manifest);
+    }
+    world.barrier();
+    const auto forged = load_sample<2>(world, folder.path(), other);
+    EXPECT_FALSE(forged.sample);
+    EXPECT_NE(forged.reason.find("file is of another sample"), std::string::npos) << forged.reason;
 }
 
 /// Every damage must be found, on all ranks, with a reason; changing(path) does it on rank 0.
