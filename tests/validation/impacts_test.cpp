@@ -115,7 +115,6 @@ TEST(Impact, BouncingStopsAfterTheGeometricSeries) {
         // 1.5 h for each impact, multiplied by the duration it still governs over its own, (1 + e) / (1 - e), summed over the series.
         EXPECT_LT(largest, 1.5 * h * (1 + e) / (1 - e) / (1 - e));
     }
-    std::printf("worst errors %g %g %g %g s\n", worst[0], worst[1], worst[2], worst[3]);
     const double order = std::log2(worst.front() / worst.back()) / 3;
     // Order 1; a logarithm of h (the number of bounces until they are as small as a step) and a worst case over 12 phases blur it.
     EXPECT_NEAR(order, 1.0, 0.25);

@@ -20,9 +20,9 @@ struct Balance {
     double impulses = 0;              ///< sum of magnitudes [N s]
 };
 
-/// Energy and momentum of the last step, exact for theta = 1/2 whether the solver has converged or not (shared derivation in
-/// docs/notation.md): with u = u_old + h g + M^-1 sum r, the gain of kinetic energy of a grain is its momentum gained times the mean
-/// velocity, so in all: dKE = h m g·v̄ + sum over contacts of r·ū_rel + sum over wall contacts of r·v̄_wall.
+/// Energy and momentum of the last step, exact for theta = 1/2 whether the solver has converged or not: u = u_old + h g + M^-1 sum r,
+/// and the kinetic energy that a grain gains is the momentum it gains times its mean velocity (old and new), so that in all
+/// dKE = h m g·v̄ + sum over contacts of r·ū_rel + sum over wall contacts of r·v̄_wall.
 Balance balance_of(SerialRun& run, double h) {
     auto& simulation = run.simulation();
     const auto& state = run.state();
@@ -177,7 +177,7 @@ TEST(Pile, AtRestEveryGrainIsInBalance) {
     for (const auto& row : simulation.grain_rows()) {
         const auto i = static_cast<std::size_t>(row.id);
         const double weight = row.mass * g * h;
-        // Velocities that are left (creep and rattlers' flights excepted by the bound on kinetic energy below) times m.
+        // What is out of balance moves: a thousandth of a weight may, while the pile still creeps (and see the energy below).
         EXPECT_LT((force[i] + Vec<2>(0, -weight)).norm(), 1e-3 * weight) << "grain " << row.id;
         EXPECT_LT(std::abs(moment[i]), 1e-3 * weight) << "grain " << row.id;
     }
