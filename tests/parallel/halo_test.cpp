@@ -17,7 +17,7 @@ using test::strewn_grains;
 /// Spread grains with candidates and halo; walls under and beside them.
 struct Haloed {
     Haloed(const Communicator& comm, GlobalId n, double side, double margin)
-        : spread(comm, strewn_grains(n, margin), side), walls(test_walls()) {
+        : spread(comm, strewn_grains(n, margin > 0 ? margin : margin_for(side)), side), walls(test_walls()) {
         candidates = find_candidates(spread.state, spread.domain.grid(), walls, spread.memory);
         spread.domain.build_halo(spread.state, candidates);
     }
@@ -37,12 +37,11 @@ struct Haloed {
 struct Case {
     GlobalId n;
     double side;   ///< [m]
-    double margin; ///< [m]
+    double margin; ///< [m]; 0: the widest that tiles allow
 };
 
-// The widest margin that tiles allow, a small one, fewer tiles than ranks, fewer grains than ranks, nothing.
-const std::vector<Case> cases = {{900, 8, margin_for(8)}, {900, 4, margin_for(4)}, {2000, 3, 0.08},
-                                 {300, 80, 0.2},          {3, 4, 0.3},             {0, 4, 0.3}};
+// Wide tiles and narrow ones at their widest margin, a small margin, fewer tiles than ranks, fewer grains than ranks, nothing.
+const std::vector<Case> cases = {{900, 8, 0}, {900, 4, 0}, {2000, 3, 0.08}, {300, 80, 0.2}, {3, 4, 0.3}, {0, 4, 0.3}};
 
 class HaloOf : public testing::TestWithParam<Case> {
 protected:

@@ -137,9 +137,10 @@ struct SpreadGrains {
     Domain<2> domain;
 };
 
-/// Largest margin that tiles of this side allow [m].
+/// Largest margin that tiles of this side allow, as the program has it: the hardest case for halo and colours [m].
 inline double margin_for(double side) {
-    return 0.2499 * side - r_max;
+    const Communicator alone(MPI_COMM_SELF);
+    return Domain<2>(alone, TileGrid<2>(Vec<2>::Zero(), side), {}).largest_margin(r_max);
 }
 
 } // namespace nappe::test
