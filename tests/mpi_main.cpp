@@ -1,4 +1,5 @@
-// main() of tests that run on several ranks: every rank runs every test; only rank 0 prints, unless a test fails elsewhere.
+// main() of tests that run on several ranks: every rank runs every test; only rank 0 prints, unless a test fails
+// elsewhere.
 #include "parallel/communicator.hpp"
 
 #include <gtest/gtest.h>

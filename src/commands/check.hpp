@@ -12,11 +12,11 @@ namespace nappe {
 
 /// What things cost; the defaults are those of disks with the frictional law.
 struct CostModel {
-    double ns_per_relaxation = 8;                             ///< of one contact in one sweep on one rank [ns]
-    double bytes_per_grain = State<2>::bytes_per_grain();     ///< in memory
+    double ns_per_relaxation = 8;                         ///< of one contact in one sweep on one rank [ns]
+    double bytes_per_grain = State<2>::bytes_per_grain(); ///< in memory
     double bytes_per_contact = CandidateSet<2>::bytes_per_candidate() + DiskContacts::bytes_per_packed; ///< in memory
-    double frame_bytes_per_grain = sizeof(FrameGrain<2>);     ///< on disk
-    double frame_bytes_per_contact = sizeof(FrameContact<2>); ///< on disk
+    double frame_bytes_per_grain = sizeof(FrameGrain<2>);                                               ///< on disk
+    double frame_bytes_per_contact = sizeof(FrameContact<2>);                                           ///< on disk
 };
 
 /// Figures known before anything is computed. All but the exact counts of the scene are estimates.

@@ -45,8 +45,8 @@ std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
         row.v = {single.velocity[0], single.velocity[1]};
         row.spin = {single.spin[0]};
         row.radius = single.radius;
-        row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi * single.radius *
-                   single.radius;
+        row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi *
+                   single.radius * single.radius;
         row.material = single.material;
         row.layer = single.layer;
         rows.push_back(row);
@@ -55,7 +55,7 @@ std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
 }
 
 struct SettleState {
-    double kinetic = 0;  ///< over weight times mean radius
+    double kinetic = 0; ///< over weight times mean radius
     double residual = 0;
 };
 
@@ -85,11 +85,12 @@ void settle(Simulation<2>& simulation, int stage, Progress& progress, const vola
             break;
         }
         if (simulation.time() >= wanted.at_most) {
-            throw NumericalFailure(fmt::format(
-                "stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} (wanted {:.3g}), residual "
-                "{:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
-                simulation.scene().stages[static_cast<std::size_t>(stage)].name, wanted.at_most, now.kinetic,
-                wanted.kinetic, now.residual, wanted.residual));
+            throw NumericalFailure(
+                fmt::format("stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} "
+                            "(wanted {:.3g}), residual "
+                            "{:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
+                            simulation.scene().stages[static_cast<std::size_t>(stage)].name, wanted.at_most,
+                            now.kinetic, wanted.kinetic, now.residual, wanted.residual));
         }
     }
     progress.end_stage();
@@ -107,7 +108,8 @@ SampleOrigin sample_origin(const Scene<2>& scene) {
         text += fmt::format("material {} {}\n", m.name, m.density);
     }
     for (const auto& l : scene.laws) {
-        text += fmt::format("law {} {} friction {} restitution {}\n", l.material_a, l.material_b, l.friction, l.restitution);
+        text += fmt::format("law {} {} friction {} restitution {}\n", l.material_a, l.material_b, l.friction,
+                            l.restitution);
     }
     if (scene.sample) {
         const auto& s = *scene.sample;
@@ -145,7 +147,8 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
     const auto& comm = simulation.comm();
     Preparation report;
     int n_settling = 0;
-    while (n_settling < static_cast<int>(scene.stages.size()) && scene.stages[static_cast<std::size_t>(n_settling)].until) {
+    while (n_settling < static_cast<int>(scene.stages.size()) &&
+           scene.stages[static_cast<std::size_t>(n_settling)].until) {
         ++n_settling;
     }
     const int last = n_settling > 0 ? n_settling - 1 : 0;

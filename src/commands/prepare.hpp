@@ -1,6 +1,6 @@
 #pragma once
-// From a scene to the state in which loading starts: deposit, settling stages, and the store in which a settled sample waits for
-// the next run that wants the same one.
+// From a scene to the state in which loading starts: deposit, settling stages, and the store in which a settled sample
+// waits for the next run that wants the same one.
 
 #include "io/progress.hpp"
 #include "io/sample_store.hpp"
@@ -18,14 +18,15 @@ inline constexpr std::int64_t physics_revision = 1;
 SampleOrigin sample_origin(const Scene<2>& scene);
 
 struct Preparation {
-    bool reused = false;          ///< the sample came from the store
+    bool reused = false;           ///< the sample came from the store
     std::int64_t settle_steps = 0; ///< of the stages that were run now
     double deposit_seconds = 0;
     double settle_seconds = 0;
 };
 
-/// **Collective.** Loads the simulation with the state at the end of its settling stages. A sample made now goes through the store
-/// and back, so that it is the same bits as one found there. Throws what the steps throw; NumericalFailure if a stage does not settle.
+/// **Collective.** Loads the simulation with the state at the end of its settling stages. A sample made now goes
+/// through the store and back, so that it is the same bits as one found there. Throws what the steps throw;
+/// NumericalFailure if a stage does not settle.
 Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& store, Progress& progress,
                     const volatile int& stop_signal);
 

@@ -40,11 +40,11 @@ Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folde
                                        std::vector<std::string>{"x", "y", "vx", "vy", "fx", "fy"});
         }
         series_.front = std::make_unique<SeriesWriter>(path("front"), std::vector<std::string>{"front"});
-        series_.energy = std::make_unique<SeriesWriter>(
-            path("energy"), std::vector<std::string>{"kinetic", "potential", "wall_work"});
+        series_.energy = std::make_unique<SeriesWriter>(path("energy"),
+                                                        std::vector<std::string>{"kinetic", "potential", "wall_work"});
         series_.solver = std::make_unique<SeriesWriter>(
-            path("solver"), std::vector<std::string>{"residual", "residual_rms", "sweeps", "overlap_mean", "overlap_max",
-                                                     "contacts", "candidates", "rebuilds", "redone"});
+            path("solver"), std::vector<std::string>{"residual", "residual_rms", "sweeps", "overlap_mean",
+                                                     "overlap_max", "contacts", "candidates", "rebuilds", "redone"});
     }
     share_errors();
 }
@@ -103,13 +103,13 @@ void Recorder::write_row(std::int64_t step, double time) {
         const auto& counters = simulation_.counters();
         series_.front->append(step, time, std::array{front});
         series_.energy->append(step, time, std::array{energy.kinetic, energy.potential, wall_work_});
-        series_.solver->append(
-            step, time,
-            std::array{residual ? residual->largest : unknown, residual ? residual->rms : unknown,
-                       static_cast<double>(simulation_.last_sweeps()), overlaps_.mean, overlaps_.largest,
-                       static_cast<double>(overlaps_.contacts), static_cast<double>(overlaps_.candidates),
-                       static_cast<double>(counters.rebuilds),
-                       static_cast<double>(counters.redone_lists + counters.redone_packs)});
+        series_.solver->append(step, time,
+                               std::array{residual ? residual->largest : unknown, residual ? residual->rms : unknown,
+                                          static_cast<double>(simulation_.last_sweeps()), overlaps_.mean,
+                                          overlaps_.largest, static_cast<double>(overlaps_.contacts),
+                                          static_cast<double>(overlaps_.candidates),
+                                          static_cast<double>(counters.rebuilds),
+                                          static_cast<double>(counters.redone_lists + counters.redone_packs)});
     }
     share_errors();
 }
@@ -121,8 +121,8 @@ void Recorder::write_cells(std::int64_t step, double time, double h) {
         return;
     }
     for (std::size_t k = 0; k < shapes.size(); ++k) {
-        // V = grain volume / phi0, phi0 = that volume over the circle's when loading starts: the circle's area, since the set of
-        // grains stays the same.
+        // V = grain volume / phi0, phi0 = that volume over the circle's when loading starts: the circle's area, since
+        // the set of grains stays the same.
         const double radius = simulation_.scene().output.cells[k].radius;
         const double circle = std::numbers::pi * radius * radius;
         const double phi0 = initial_[k].volume / circle;
@@ -152,9 +152,9 @@ void Recorder::write_walls(std::int64_t step, double time, double h) {
     for (int w = 0; w < walls.n_walls(); ++w) {
         const auto k = static_cast<std::size_t>(w);
         const Vec<2> force = sums.wall_impulse(k) / (h * static_cast<double>(sums.n_steps()));
-        series_.walls[k].append(step, time,
-                                std::array{walls.offset[k][0], walls.offset[k][1], walls.v[k][0], walls.v[k][1],
-                                           force[0], force[1]});
+        series_.walls[k].append(
+            step, time,
+            std::array{walls.offset[k][0], walls.offset[k][1], walls.v[k][0], walls.v[k][1], force[0], force[1]});
     }
 }
 

@@ -19,7 +19,8 @@ public:
     /// **Collective.** Makes the folders. Throws SystemError.
     Recorder(Simulation<2>& simulation, const std::filesystem::path& folder);
 
-    /// **Collective.** When loading starts: remembers what cells and the bed look like, writes the first row of every series.
+    /// **Collective.** When loading starts: remembers what cells and the bed look like, writes the first row of every
+    /// series.
     void begin();
 
     /// **Collective.** Whether the series want a row after this loading step, and so the step its residual.

@@ -126,14 +126,14 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     catch_signals();
     Progress progress(Progress::for_rank(comm.is_root()));
     Simulation<2> simulation(comm, scene, kernels);
-    progress.info(fmt::format("{}: {} ranks, disks in the plane, {} friction, {} restitution, {} kernel, {} B per grain, {} B per "
-                              "contact",
-                              scene.title, comm.size(), scene.laws.empty() ? "no" : "Coulomb",
-                              std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& l) { return l.restitution > 0; })
-                                  ? "Newton"
-                                  : "no",
-                              kernels.name, State<2>::bytes_per_grain(),
-                              simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate()));
+    progress.info(fmt::format(
+        "{}: {} ranks, disks in the plane, {} friction, {} restitution, {} kernel, {} B per grain, {} B per "
+        "contact",
+        scene.title, comm.size(), scene.laws.empty() ? "no" : "Coulomb",
+        std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& l) { return l.restitution > 0; }) ? "Newton"
+                                                                                                           : "no",
+        kernels.name, State<2>::bytes_per_grain(),
+        simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate()));
     Preparation preparation;
     try {
         preparation = prepare(simulation, options.samples, progress, signal_caught);
@@ -205,8 +205,8 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
         }
     }
     comm.throw_together<SystemError>(error);
-    progress.info(fmt::format("{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r; state hash {}", course.steps,
-                              course.time, loaded, recorder.largest_overlap(), hex_digits(hash)));
+    progress.info(fmt::format("{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r; state hash {}",
+                              course.steps, course.time, loaded, recorder.largest_overlap(), hex_digits(hash)));
     return course.stopped ? ExitCode::stopped_early : ExitCode::done;
 }
 

@@ -14,10 +14,10 @@ namespace nappe {
 struct RunOptions {
     std::string scene;
     std::vector<std::string> overrides;
-    std::filesystem::path out;          ///< DIR
-    std::filesystem::path samples;      ///< where settled samples are kept
-    std::optional<std::int64_t> steps;  ///< of loading, at most
-    std::string kernel;                 ///< instruction set; empty: the fastest
+    std::filesystem::path out;         ///< DIR
+    std::filesystem::path samples;     ///< where settled samples are kept
+    std::optional<std::int64_t> steps; ///< of loading, at most
+    std::string kernel;                ///< instruction set; empty: the fastest
 };
 
 /// **Collective.** Throws InputError, NumericalFailure, SystemError on all ranks alike.

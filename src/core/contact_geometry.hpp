@@ -1,6 +1,6 @@
 #pragma once
-// Where two bodies stand to each other at the positions State::x_mid and Walls::offset_mid: during a step the predicted ones,
-// between steps those at its end.
+// Where two bodies stand to each other at the positions State::x_mid and Walls::offset_mid: during a step the predicted
+// ones, between steps those at its end.
 
 #include "core/state.hpp"
 #include "core/walls.hpp"
@@ -11,10 +11,10 @@ namespace nappe {
 
 template <int D>
 struct ContactGeometry {
-    double gap = 0; ///< [m], negative: overlap
+    double gap = 0;            ///< [m], negative: overlap
     Vec<D> n = Vec<D>::Zero(); ///< unit normal from b to a
-    bool applies = true;  ///< false: another part of the wall is nearer
-    bool through = false; ///< the centre of a has gone through a wall
+    bool applies = true;       ///< false: another part of the wall is nearer
+    bool through = false;      ///< the centre of a has gone through a wall
 };
 
 /// Local. @param a row of a grain @param b row of a grain, or of a wall body.

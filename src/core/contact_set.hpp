@@ -24,18 +24,19 @@ struct Tile {
     LocalId grains_begin = 0, grains_end = 0;
     std::int32_t candidates_begin = 0, candidates_end = 0;
     std::int32_t classes_begin = 0, classes_end = 0; ///< into CandidateSet::class_begin
-    bool interface = false; ///< touches a grain that another rank holds
+    bool interface = false;                          ///< touches a grain that another rank holds
 };
 
 /// Candidates in the order of the sweep: by tile; in a tile by colour class; in a class by key (lo id, hi key). `a` is
-/// always an owned grain, the one with the lower GlobalId, whose tile the contact belongs to; `b` is a held grain or a wall body.
-/// No two contacts of a class share a grain; wall bodies do not count, they are never written.
+/// always an owned grain, the one with the lower GlobalId, whose tile the contact belongs to; `b` is a held grain or a
+/// wall body. No two contacts of a class share a grain; wall bodies do not count, they are never written.
 template <int D>
 struct CandidateSet {
     std::vector<Tile> tiles; ///< in the order of keys
     std::vector<LocalId> a, b;
     std::vector<Impulse<D>> r; ///< of the last step
-    std::vector<std::int32_t> class_begin; ///< first candidate of every class; a class ends where the next or the tile does
+    /// First candidate of every class; a class ends where the next or the tile does.
+    std::vector<std::int32_t> class_begin;
 
     std::int32_t size() const { return static_cast<std::int32_t>(a.size()); }
 

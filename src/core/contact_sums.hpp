@@ -1,6 +1,6 @@
 #pragma once
-// What series report of contacts: stress of cells, forces on walls and their work, summed over all steps of a reporting interval.
-// By tile in the order of the sweep, then exactly, so that the figures do not depend on ranks.
+// What series report of contacts: stress of cells, forces on walls and their work, summed over all steps of a reporting
+// interval. By tile in the order of the sweep, then exactly, so that the figures do not depend on ranks.
 
 #include "core/exact_sum.hpp"
 #include "core/state.hpp"
@@ -77,7 +77,8 @@ public:
         f(work_);
     }
 
-    /// Sum over steps, grains of the cell and their contacts of r ⊗ (x_i - x_c) [N m s], row-major. Compression positive.
+    /// Sum over steps, grains of the cell and their contacts of r ⊗ (x_i - x_c) [N m s], row-major. Compression
+    /// positive.
     double cell_moment(std::size_t cell, int row, int column) const {
         return cells_[cell * D * D + static_cast<std::size_t>(row * D + column)].value();
     }
@@ -100,7 +101,8 @@ public:
     }
 
 private:
-    /// The arm from contact point to centre is r n for both bodies, up to a sign that the impulse shares: as the dynamics have it.
+    /// The arm from contact point to centre is r n for both bodies, up to a sign that the impulse shares: as the
+    /// dynamics have it.
     void add_to_cells(std::uint64_t cells, double radius, const Vec<D>& n, const Vec<D>& r) {
         any_ = true;
         for (std::size_t k = 0; cells != 0; ++k, cells >>= 1) {

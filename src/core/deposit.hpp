@@ -15,12 +15,13 @@ namespace nappe {
 ///
 /// The k-th disk drawn has its radius from random number k of (sample.seed, deposit_radius). Of the places free for it,
 /// it takes the one of the least height + random part of half the largest radius (deposit_sites.hpp says why), heights
-/// compared at the mean radius of its size class, a fiftieth of the largest radius wide; ties go to the pair of supports
-/// placed first. A radius that fits nowhere is left out; 1000 of those in a row, or no place left for any radius, end
-/// the filling. So all radii drawn are placed, but for the few that meet a full profile: the law of radii is kept.
+/// compared at the mean radius of its size class, a fiftieth of the largest radius wide; ties go to the pair of
+/// supports placed first. A radius that fits nowhere is left out; 1000 of those in a row, or no place left for any
+/// radius, end the filling. So all radii drawn are placed, but for the few that meet a full profile: the law of radii
+/// is kept.
 ///
-/// `density` [kg/m³] gives the masses; `gravity` [m/s²] gives what is low, its length does not matter. Heights of layers
-/// are measured against it: for gravity along −y, layer_tops are values of y.
+/// `density` [kg/m³] gives the masses; `gravity` [m/s²] gives what is low, its length does not matter. Heights of
+/// layers are measured against it: for gravity along −y, layer_tops are values of y.
 /// Rows have ids 0 … n−1 by strips across gravity, 16 largest radii wide, within a strip in order of placement:
 /// neighbours in space are near in memory. Velocity, spin and rotation are 0.
 ///

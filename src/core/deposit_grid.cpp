@@ -24,7 +24,8 @@ void Packing::make_grid() {
         high_ = high_.cwiseMax(corner);
     }
     const Vec<2> size = high_ - low_;
-    // A thin profile across a large box would be nearly all empty cells: larger cells then, and slower, not more memory.
+    // A thin profile across a large box would be nearly all empty cells: larger cells then, and slower, not more
+    // memory.
     constexpr double most_cells = 5e7;
     cell_size_ = std::max(2 * r_max_, std::sqrt(size[0] / most_cells * size[1]));
     cell_size_ = std::max(cell_size_, std::max(size[0], size[1]) / most_cells);

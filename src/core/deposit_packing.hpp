@@ -2,12 +2,12 @@
 // What a deposit consists of so far, and whether one more disk can rest on two given supports (core/deposit.cpp).
 //
 // The frame is that of the deposit: [1] is the height, against gravity. A disk of radius r that touches two supports a
-// and b has its centre at one place x(r); n_a and n_b are the unit vectors from the contacts to the centre. It is stable
-// if "up" lies between n_a and n_b. As r grows, the centre moves along n_a + n_b, and of the disk's rim the arc between
-// the contacts draws back while the rest advances. So whatever forbids a radius also forbids all larger ones (an obstacle
-// on the advancing arc, a centre beyond a support) or all smaller ones (an obstacle between the supports, too wide a
-// gap). A support may be above the centre: the lowest place in a steep pit often is of that kind, and a pit without a
-// place is never filled (tried: with supports from below only, a rough surface kept holes of 30 m).
+// and b has its centre at one place x(r); n_a and n_b are the unit vectors from the contacts to the centre. It is
+// stable if "up" lies between n_a and n_b. As r grows, the centre moves along n_a + n_b, and of the disk's rim the arc
+// between the contacts draws back while the rest advances. So whatever forbids a radius also forbids all larger ones
+// (an obstacle on the advancing arc, a centre beyond a support) or all smaller ones (an obstacle between the supports,
+// too wide a gap). A support may be above the centre: the lowest place in a steep pit often is of that kind, and a pit
+// without a place is never filled (tried: with supports from below only, a rough surface kept holes of 30 m).
 
 #include "core/polygon.hpp"
 
@@ -44,8 +44,9 @@ public:
     /// Whether a disk of this radius can rest on the two supports, and where.
     Trial try_site(const Site& site, double radius) const;
 
-    /// All pairs that edges and corners of the empty profile form. Overhanging edges take part here only: the first disk
-    /// in a corner under a leaning wall is wedged there, and without it nothing could ever rest on the floor beside it.
+    /// All pairs that edges and corners of the empty profile form. Overhanging edges take part here only: the first
+    /// disk in a corner under a leaning wall is wedged there, and without it nothing could ever rest on the floor
+    /// beside it.
     std::vector<Site> sites_of_profile() const;
 
     /// Adds a disk and returns its number: 0, 1, 2 … after those of the corners.

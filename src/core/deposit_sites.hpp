@@ -24,8 +24,8 @@ public:
     /// Enters a site for every class of radii that has a disk fitting there. Local.
     void offer(const Packing& packing, const Site& site);
 
-    /// The centre for a disk of this radius at the lowest site where it fits, or nothing. Sites found blocked for all of
-    /// the radius's class are dropped for good: what is placed is never removed. Local.
+    /// The centre for a disk of this radius at the lowest site where it fits, or nothing. Sites found blocked for all
+    /// of the radius's class are dropped for good: what is placed is never removed. Local.
     std::optional<Vec<2>> lowest(const Packing& packing, double radius);
 
     /// No site is left for any radius. Local.

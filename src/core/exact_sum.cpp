@@ -27,8 +27,8 @@ void ExactSum::add(double term) {
     const int position = exponent - lowest_exponent;
     const int limb = position / 32;
     const int shift = position % 32;
-    const std::uint64_t low = (mantissa & 0xffffffffu) << shift;  // at most 63 bits
-    const std::uint64_t high = (mantissa >> 32) << shift;         // at most 52 bits
+    const std::uint64_t low = (mantissa & 0xffffffffu) << shift; // at most 63 bits
+    const std::uint64_t high = (mantissa >> 32) << shift;        // at most 52 bits
     const std::int64_t sign = (bits >> 63) != 0 ? -1 : 1;
     limbs_[limb] += sign * static_cast<std::int64_t>(low & 0xffffffffu);
     limbs_[limb + 1] += sign * static_cast<std::int64_t>((low >> 32) + (high & 0xffffffffu));

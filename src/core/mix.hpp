@@ -6,7 +6,8 @@
 
 namespace nappe {
 
-/// A bijection of 64 bits in which every input bit reaches every output bit (the finaliser of MurmurHash3, public domain).
+/// A bijection of 64 bits in which every input bit reaches every output bit (the finaliser of MurmurHash3, public
+/// domain).
 inline std::uint64_t mix(std::uint64_t z) {
     z ^= z >> 33;
     z *= 0xff51afd7ed558ccdULL;

@@ -10,7 +10,8 @@ namespace nappe {
 
 namespace {
 
-/// Grains of all held tiles, each tile cut into k^D cells about as wide as two grains, so that a search looks at few of them.
+/// Grains of all held tiles, each tile cut into k^D cells about as wide as two grains, so that a search looks at few of
+/// them.
 template <int D>
 class CellIndex {
 public:
@@ -51,8 +52,8 @@ public:
 
     /// Calls f(j) for the held grains in cells within `range` of x, in tiles of `ring` around `slot`.
     template <class F>
-    void for_each_near(std::size_t slot, const std::array<int, TileGrid<D>::n_ring>& ring, const Vec<D>& x, double range,
-                       F&& f) const {
+    void for_each_near(std::size_t slot, const std::array<int, TileGrid<D>::n_ring>& ring, const Vec<D>& x,
+                       double range, F&& f) const {
         static_assert(D == 2, "the loops below are the plane's");
         const Vec<D> corner = grid_.corner(keys_[slot]);
         const double per_cell = static_cast<double>(k_) / grid_.side();
@@ -89,7 +90,8 @@ private:
             double extent = 0;
             NAPPE_ASSERT(!slot_of_.contains(key), "rows are not sorted by tile at row " + std::to_string(i));
             while (j < to && grid_.key(state_.x_ref[j]) == key) {
-                NAPPE_ASSERT(j == i || state_.id[j - 1] < state_.id[j], "ids fall within a tile at row " + std::to_string(j));
+                NAPPE_ASSERT(j == i || state_.id[j - 1] < state_.id[j],
+                             "ids fall within a tile at row " + std::to_string(j));
                 extent = std::max(extent, state_.radius[j] + state_.margin[j]);
                 ++j;
             }

@@ -39,7 +39,8 @@ struct Sample {
     int material = 0;
     RadiusLaw radii;
     std::vector<Vec<D>> profile; ///< closed polygon [m], either orientation, not self-crossing
-    std::vector<double> layer_tops; ///< heights [m], ascending: layer k (from 1) lies below layer_tops[k-1]; above all: n+1
+    /// Heights [m], ascending: layer k (from 1) lies below layer_tops[k-1]; above all: n+1.
+    std::vector<double> layer_tops;
     std::uint64_t seed = 1;
 };
 
@@ -58,9 +59,9 @@ struct SingleGrain {
 template <int D>
 struct Motion {
     Vec<D> velocity = Vec<D>::Zero(); ///< [m/s]
-    int stage = -1;    ///< index into Scene::stages; -1: `start` counts instead
-    double start = 0;  ///< [s] of loading time
-    std::optional<double> stop; ///< [s] of loading time
+    int stage = -1;                   ///< index into Scene::stages; -1: `start` counts instead
+    double start = 0;                 ///< [s] of loading time
+    std::optional<double> stop;       ///< [s] of loading time
 };
 
 /// A rigid polyline; a grain may touch it from either side, its end points and its joints too. First point == last
@@ -76,13 +77,14 @@ struct Wall {
 struct SolverSettings {
     enum class Method { nsgs };
     Method method = Method::nsgs;
-    double h = 0;       ///< step [s]
-    int substeps = 1;   ///< a step is integrated as this many of h / substeps, its sweeps divided among them (rounded up)
+    double h = 0;     ///< step [s]
+    int substeps = 1; ///< a step is integrated as this many of h / substeps, its sweeps divided among them (rounded up)
     double theta = 0.5; ///< in [1/2, 1]
     int sweeps = 100;   ///< fixed count, or the least when a tolerance is set
-    std::optional<double> tolerance; ///< on the residual (docs/notation.md), relative to V; checked every `check_every` sweeps
-    int max_sweeps = 1000;           ///< with a tolerance: then the step is accepted and counted as unconverged
-    int check_every = 10;            ///< sweeps between two checks of the tolerance
+    /// On the residual (docs/notation.md), relative to V.
+    std::optional<double> tolerance;
+    int max_sweeps = 1000; ///< with a tolerance: then the step is accepted and counted as unconverged
+    int check_every = 10;  ///< sweeps between two checks of the tolerance
 };
 
 /// Ends a preparing stage: both hold at the end of a step.
@@ -96,7 +98,7 @@ struct SettleCriterion {
 struct Stage {
     std::string name;
     std::optional<SettleCriterion> until;
-    double duration = 0; ///< [s], if no `until`
+    double duration = 0;   ///< [s], if no `until`
     SolverSettings solver; ///< the scene's, with this stage's own keys over it
 };
 
@@ -114,15 +116,15 @@ struct Cell {
 
 template <int D>
 struct Output {
-    int frames_every = 0; ///< steps of loading; 0: only the first and the last state
-    int series_every = 10; ///< steps of loading between two rows of the series
+    int frames_every = 0;       ///< steps of loading; 0: only the first and the last state
+    int series_every = 10;      ///< steps of loading between two rows of the series
     std::vector<Cell<D>> cells; ///< sets of grains inside the circle when loading starts; at most 64
-    double front_bin = 0;    ///< width of the bins of the free surface [m]; 0: four mean radii
+    double front_bin = 0;       ///< width of the bins of the free surface [m]; 0: four mean radii
 };
 
 struct TileSettings {
-    double side = 0;      ///< S [m]; 0: 16 r_max
-    double skin = 0;      ///< least distance two grains may approach before the next rebuild [m]; 0: 0.3 r_max
+    double side = 0;       ///< S [m]; 0: 16 r_max
+    double skin = 0;       ///< least distance two grains may approach before the next rebuild [m]; 0: 0.3 r_max
     double lookahead = 12; ///< steps for which a moving grain's margin should last
 
     double side_for(double r_max) const { return side > 0 ? side : 16 * r_max; } ///< defaults worked out [m]
@@ -137,7 +139,7 @@ struct BalanceSettings {
 template <int D>
 struct Scene {
     std::string title;
-    std::string text; ///< the scene as run: the file with overrides applied, as TOML
+    std::string text;                ///< the scene as run: the file with overrides applied, as TOML
     Vec<D> gravity = Vec<D>::Zero(); ///< [m/s²]
     Vec<D> origin = Vec<D>::Zero();  ///< of the tile grid [m]
     std::vector<Material> materials;

@@ -42,16 +42,16 @@ template <int D>
 struct State {
     LocalId n_own = 0;
     std::vector<GlobalId> id;
-    std::vector<Vec<D>> x;      ///< position at the start of the step [m]
-    std::vector<Vec<D>> x_mid;  ///< predicted position, where contacts are detected [m]
-    std::vector<Vec<D>> x_ref;  ///< position at the last rebuild [m]
-    std::vector<double> margin; ///< how far a grain may go from x_ref before the lists are rebuilt [m]
+    std::vector<Vec<D>> x;              ///< position at the start of the step [m]
+    std::vector<Vec<D>> x_mid;          ///< predicted position, where contacts are detected [m]
+    std::vector<Vec<D>> x_ref;          ///< position at the last rebuild [m]
+    std::vector<double> margin;         ///< how far a grain may go from x_ref before the lists are rebuilt [m]
     std::vector<BodyVelocity<D>> u;     ///< velocity, being solved for
     std::vector<BodyVelocity<D>> u_old; ///< velocity at the start of the step
     std::vector<std::array<double, n_spin<D>>> rotation; ///< [rad]
-    std::vector<double> radius;         ///< [m]
-    std::vector<double> mass;           ///< [kg]
-    std::vector<std::uint64_t> cells;   ///< bit k: member of Output::cells[k]
+    std::vector<double> radius;                          ///< [m]
+    std::vector<double> mass;                            ///< [kg]
+    std::vector<std::uint64_t> cells;                    ///< bit k: member of Output::cells[k]
     std::vector<std::int32_t> layer;
     std::vector<std::int32_t> material;
 

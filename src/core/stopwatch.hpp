@@ -9,12 +9,24 @@ namespace nappe {
 
 /// The stages of a step and of what surrounds it, as docs/architecture.md names them.
 enum class Timed : int {
-    prepare, rebuild, predict, geometry, sweep, exchange, residual, integrate, check, measure, output, count
+    prepare,
+    rebuild,
+    predict,
+    geometry,
+    sweep,
+    exchange,
+    residual,
+    integrate,
+    check,
+    measure,
+    output,
+    count
 };
 
 inline constexpr std::size_t n_timed = static_cast<std::size_t>(Timed::count);
-inline constexpr std::array<const char*, n_timed> timed_names = {
-    "prepare", "rebuild", "predict", "geometry", "sweep", "exchange", "residual", "integrate", "check", "measure", "output"};
+inline constexpr std::array<const char*, n_timed> timed_names = {"prepare", "rebuild",  "predict",  "geometry",
+                                                                 "sweep",   "exchange", "residual", "integrate",
+                                                                 "check",   "measure",  "output"};
 
 /// Seconds per stage on this rank.
 class Stopwatch {

@@ -12,12 +12,13 @@ using GlobalId = std::int64_t;
 /// A row of this rank's arrays; means nothing on another rank or after the next rebuild.
 using LocalId = std::int32_t;
 
-/// Position [m], velocity [m/s], force [N] … DontAlign, so that arrays of them have no padding and any struct may hold one.
+/// Position [m], velocity [m/s], force [N] … DontAlign, so that arrays of them have no padding and any struct may hold
+/// one.
 template <int D>
 using Vec = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
 
 /// Rotations have D (D - 1) / 2 components: one in the plane, three in space.
 template <int D>
-inline constexpr int n_spin = D * (D - 1) / 2;
+inline constexpr int n_spin = D*(D - 1) / 2;
 
 } // namespace nappe

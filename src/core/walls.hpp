@@ -14,9 +14,9 @@ namespace nappe {
 /// Where a grain stands to a feature.
 template <int D>
 struct WallContact {
-    bool applies = false; ///< this feature, and not a neighbouring one, is the nearest part of the wall
-    bool through = false; ///< the grain's centre has gone through the segment since the last rebuild
-    double distance = 0;  ///< from the centre to the feature [m]
+    bool applies = false;      ///< this feature, and not a neighbouring one, is the nearest part of the wall
+    bool through = false;      ///< the grain's centre has gone through the segment since the last rebuild
+    double distance = 0;       ///< from the centre to the feature [m]
     Vec<D> n = Vec<D>::Zero(); ///< unit normal from the wall to the grain
 };
 
@@ -27,11 +27,11 @@ public:
     struct Feature {
         int wall = 0;
         bool is_point = false;
-        Vec<D> p = Vec<D>::Zero();        ///< the point, or the segment's start
-        Vec<D> tangent = Vec<D>::Zero();  ///< segment: unit direction from its start to its end
-        double length = 0;                ///< segment [m]
-        // A point applies where both segments that meet in it have their nearest point there, asked in their own arithmetic:
-        // round-off must leave no gap between a point and its segments.
+        Vec<D> p = Vec<D>::Zero();       ///< the point, or the segment's start
+        Vec<D> tangent = Vec<D>::Zero(); ///< segment: unit direction from its start to its end
+        double length = 0;               ///< segment [m]
+        // A point applies where both segments that meet in it have their nearest point there, asked in their own
+        // arithmetic: round-off must leave no gap between a point and its segments.
         bool has_before = false, has_after = false;
         Vec<D> before = Vec<D>::Zero();   ///< direction of the segment that ends in the point
         Vec<D> before_p = Vec<D>::Zero(); ///< that segment's start
@@ -60,8 +60,9 @@ public:
     /// Contact of a grain with a feature at the predicted displacement.
     WallContact<D> contact(int sided, const Vec<D>& x, double radius) const;
 
-    /// Whether a straight way that ends in x, at the predicted displacement, and is `move` long as the wall sees it, went through
-    /// the segment from its side `sided`: what `contact` can not tell of a grain that is fast enough to be far on the other side.
+    /// Whether a straight way that ends in x, at the predicted displacement, and is `move` long as the wall sees it,
+    /// went through the segment from its side `sided`: what `contact` can not tell of a grain that is fast enough to be
+    /// far on the other side.
     bool crossed(int sided, const Vec<D>& x, const Vec<D>& move) const;
 
     // One row per wall, by the same theta-scheme as the grains'.

@@ -34,10 +34,10 @@ public:
     Communicator& operator=(const Communicator&) = delete;
     Communicator& operator=(Communicator&&) = delete;
 
-    int rank() const { return rank_; }               ///< Local.
-    int size() const { return size_; }               ///< Local.
-    bool is_root() const { return rank_ == 0; }      ///< Local.
-    MPI_Comm handle() const { return handle_; }      ///< Local; for parallel HDF5 only.
+    int rank() const { return rank_; }          ///< Local.
+    int size() const { return size_; }          ///< Local.
+    bool is_root() const { return rank_ == 0; } ///< Local.
+    MPI_Comm handle() const { return handle_; } ///< Local; for parallel HDF5 only.
 
     /// Local. Ends the whole job: for an error on one rank that the others can not know of.
     [[noreturn]] void abort(int code) const;
@@ -53,7 +53,8 @@ public:
     void broadcast(std::span<std::byte> bytes, int root = 0) const;
     void broadcast(std::string& text, int root = 0) const;
 
-    /// One message of any length to each rank, one from each; [r] to and from rank r. Order of arrival has no influence.
+    /// One message of any length to each rank, one from each; [r] to and from rank r. Order of arrival has no
+    /// influence.
     std::vector<std::vector<std::byte>> exchange_bytes(const std::vector<std::vector<std::byte>>& to) const;
 
     /// exchange_bytes for arrays of trivially copyable records.

@@ -1,6 +1,7 @@
 #pragma once
-// The rank's share of the world: which tiles it owns, which grains it holds. Everything that changes at a rebuild goes through
-// here: new tiles, moved tiles, migrating grains with their impulses, ghosts, and the proof that no grain was lost.
+// The rank's share of the world: which tiles it owns, which grains it holds. Everything that changes at a rebuild goes
+// through here: new tiles, moved tiles, migrating grains with their impulses, ghosts, and the proof that no grain was
+// lost.
 
 #include "core/contact_set.hpp"
 #include "core/exact_sum.hpp"
@@ -32,18 +33,19 @@ public:
     Domain(const Communicator& comm, const TileGrid<D>& grid, const BalanceSettings& balance)
         : comm_(comm), grid_(grid), balance_(balance), halo_(comm) {}
 
-    /// **Collective.** Spreads a new set of grains, rows in any order on any ranks, over the ranks by tiles of equal grain count.
-    /// Ids must be distinct. @param n_wall_bodies rows to keep in State for walls.
+    /// **Collective.** Spreads a new set of grains, rows in any order on any ranks, over the ranks by tiles of equal
+    /// grain count. Ids must be distinct. @param n_wall_bodies rows to keep in State for walls.
     void distribute(std::vector<GrainRecord<D>> grains, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies,
                     State<D>& state, ContactMemory<D>& memory);
 
-    /// **Collective.** At a rebuild: takes owned grains (with their new margins) and impulses of owned contacts, sends each to the
-    /// owner of the tile it is in now, fetches ghosts, fills `state` (x_ref = x). Afterwards `memory` holds the impulses of owned
-    /// contacts. Throws NumericalFailure if a grain left the world that tiles can name, SystemError if a grain was lost.
+    /// **Collective.** At a rebuild: takes owned grains (with their new margins) and impulses of owned contacts, sends
+    /// each to the owner of the tile it is in now, fetches ghosts, fills `state` (x_ref = x). Afterwards `memory` holds
+    /// the impulses of owned contacts. Throws NumericalFailure if a grain left the world that tiles can name,
+    /// SystemError if a grain was lost.
     void rebuild(State<D>& state, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies, ContactMemory<D>& memory);
 
-    /// **Collective.** To be called before a rebuild; moves tiles if counted work is uneven beyond the scene's threshold. Returns
-    /// whether they moved. Grains follow at that rebuild.
+    /// **Collective.** To be called before a rebuild; moves tiles if counted work is uneven beyond the scene's
+    /// threshold. Returns whether they moved. Grains follow at that rebuild.
     bool balance(const std::vector<TileWork>& work, const std::vector<TileLink>& links);
 
     /// **Collective.** Who must hear of what, for the candidates found after a rebuild.
@@ -60,7 +62,7 @@ public:
     /// Largest margin tiles allow: two tiles of one colour must not reach the same grain, so 4 (r + margin) < S [m].
     double largest_margin(double r_max) const { return 0.2499 * grid_.side() - r_max; }
 
-    std::int64_t n_grains() const { return n_grains_; }   ///< of all ranks
+    std::int64_t n_grains() const { return n_grains_; }  ///< of all ranks
     double last_imbalance() const { return imbalance_; } ///< largest over mean work, when last looked at
 
 private:

@@ -1,8 +1,9 @@
 #pragma once
-// Keeps the copies of a grain equal. Words, from the point of view of the rank that reads: a *holder* of a grain is a rank that
-// has a row for it — its owner, and every rank one of whose tiles lies within reach of the grain. After each tile colour a rank
-// *sends* the velocities that its tiles of that colour changed to the grains' other holders, and *receives* the like. In one
-// colour a grain is changed by at most one tile, so every row has at most one sender and copies are equal after each colour.
+// Keeps the copies of a grain equal. Words, from the point of view of the rank that reads: a *holder* of a grain is a
+// rank that has a row for it — its owner, and every rank one of whose tiles lies within reach of the grain. After each
+// tile colour a rank *sends* the velocities that its tiles of that colour changed to the grains' other holders, and
+// *receives* the like. In one colour a grain is changed by at most one tile, so every row has at most one sender and
+// copies are equal after each colour.
 
 #include "core/contact_set.hpp"
 #include "core/state.hpp"
@@ -21,8 +22,8 @@ public:
     Holders(const TileGrid<D>& grid, const TileDirectory& directory, int rank)
         : grid_(grid), directory_(directory), rank_(rank) {}
 
-    /// Local. @param tile of the grain @param x_ref its position [m] @param range radius + margin of the grain plus the largest
-    /// radius + margin of all grains [m]. Fills `ranks` in ascending order, without this rank.
+    /// Local. @param tile of the grain @param x_ref its position [m] @param range radius + margin of the grain plus the
+    /// largest radius + margin of all grains [m]. Fills `ranks` in ascending order, without this rank.
     void find(TileKey tile, const Vec<D>& x_ref, double range, std::vector<int>& ranks);
 
 private:
@@ -48,7 +49,8 @@ class Halo {
 public:
     explicit Halo(const Communicator& comm) : comm_(comm) {}
 
-    /// **Collective.** From the candidates of owned tiles, who has to hear of what after which colour; marks interface tiles.
+    /// **Collective.** From the candidates of owned tiles, who has to hear of what after which colour; marks interface
+    /// tiles.
     /// @param range_max largest radius + margin of all grains [m].
     void build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
                CandidateSet<D>& candidates);

@@ -20,8 +20,9 @@ struct TileGraph {
 };
 
 /// Local, and the same wherever it is called with the same graph. Returns the part of every vertex, in [0, n_parts).
-/// METIS is asked where it is reliable; graphs with fewer than `least_tiles_per_part` tiles a part or without any work, which it
-/// may put into one part without a word, are cut along the order of keys (columns of tiles, so across a layer) instead.
+/// METIS is asked where it is reliable; graphs with fewer than `least_tiles_per_part` tiles a part or without any work,
+/// which it may put into one part without a word, are cut along the order of keys (columns of tiles, so across a layer)
+/// instead.
 std::vector<std::int32_t> partition(const TileGraph& graph, std::int32_t n_parts);
 
 /// Largest part's work over the mean.

@@ -87,7 +87,8 @@ PackFaults DiskContacts::pack(const State<2>& state, const CandidateSet<2>& cand
                 const double v_free = normal_speed(g.n, state.u[a], state.u[b]);
                 double bias = g.gap > 0 ? g.gap / h : 0.0;
                 if (laws_.any_restitution && laws_.restitution(state.material[a], state.material[b]) > 0) {
-                    // Newton's law needs the approach that free flight brings; a gap bias would take it away a step early.
+                    // Newton's law needs the approach that free flight brings; a gap bias would take it away a step
+                    // early.
                     if (g.gap > 0 && g.gap + h * v_free > 0) {
                         continue;
                     }

@@ -1,5 +1,6 @@
 #pragma once
-// The contact problem of one step for disks: from frozen candidates, those that may act in this step, packed for the sweep.
+// The contact problem of one step for disks: from frozen candidates, those that may act in this step, packed for the
+// sweep.
 
 #include "core/contact_set.hpp"
 #include "core/scene.hpp"
@@ -19,7 +20,7 @@ struct PairLaws {
     double friction(int a, int b) const { return friction_[static_cast<std::size_t>(a * n_ + b)]; }
     double restitution(int a, int b) const { return restitution_[static_cast<std::size_t>(a * n_ + b)]; }
 
-    bool uniform = true;          ///< one friction coefficient serves all pairs
+    bool uniform = true; ///< one friction coefficient serves all pairs
     double uniform_friction = 0;
     bool any_restitution = false; ///< else no approach velocity is ever computed
 
@@ -28,8 +29,8 @@ private:
     std::vector<double> friction_, restitution_;
 };
 
-/// Distances between convergence and truth: largest and RMS of |W (r - P(r - u/W))| over active contacts [m/s], to be divided by
-/// a velocity scale (docs/notation.md, "residual").
+/// Distances between convergence and truth: largest and RMS of |W (r - P(r - u/W))| over active contacts [m/s], to be
+/// divided by a velocity scale (docs/notation.md, "residual").
 struct RawResidual {
     double largest_squared = 0;
     double sum_squared = 0; ///< of one tile, in the order of its contacts
@@ -47,13 +48,15 @@ class DiskContacts {
 public:
     DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(kernels) {}
 
-    /// Local. Geometry of every candidate at the predicted positions; those that may act in a step of h are packed with their
-    /// impulses from `candidates`. Which those are: a gap below what the pair could close at twice its present speed of approach,
-    /// plus 1 % of the radii; `activate_all` packs every candidate. Pre: u is the free velocity, u_old that of the step's start.
+    /// Local. Geometry of every candidate at the predicted positions; those that may act in a step of h are packed with
+    /// their impulses from `candidates`. Which those are: a gap below what the pair could close at twice its present
+    /// speed of approach, plus 1 % of the radii; `activate_all` packs every candidate. Pre: u is the free velocity,
+    /// u_old that of the step's start.
     PackFaults pack(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h,
                     bool activate_all);
 
-    /// Local. Whether a candidate that was left out would have had to act, at velocities u: then the step must be redone.
+    /// Local. Whether a candidate that was left out would have had to act, at velocities u: then the step must be
+    /// redone.
     bool missed_any(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h) const;
 
     void relax(std::size_t tile, std::vector<BodyVelocity<2>>& u) {

@@ -14,7 +14,9 @@ extern const DiskKernels disk_kernels_avx512;
 #endif
 
 const DiskKernels& disk_kernels(const char* wanted) {
-    const auto asked = [wanted](const DiskKernels& set) { return wanted == nullptr || std::strcmp(wanted, set.name) == 0; };
+    const auto asked = [wanted](const DiskKernels& set) {
+        return wanted == nullptr || std::strcmp(wanted, set.name) == 0;
+    };
 #ifdef NAPPE_X86
     if (asked(disk_kernels_avx512) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl")) {
         return disk_kernels_avx512;

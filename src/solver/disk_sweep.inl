@@ -1,10 +1,11 @@
-// The inner contact loop, one source for all instruction sets: included by disk_sweep_*.cpp, each compiled with its own flags.
-// Everything here is in an unnamed namespace and uses no library code, so that no copy of a function compiled for AVX-512 can
-// be taken by the linker for the rest of the program.
+// The inner contact loop, one source for all instruction sets: included by disk_sweep_*.cpp, each compiled with its own
+// flags. Everything here is in an unnamed namespace and uses no library code, so that no copy of a function compiled
+// for AVX-512 can be taken by the linker for the rest of the program.
 //
 // Signorini–Coulomb on impulses, one contact (seeds/000 eq. 5, 6 and the bias of docs/notation.md):
 //     r_n <- max(0, r_n - (v_n + b) / W_nn),   r_t <- clamp(r_t - v_t / W_tt, -mu r_n, mu r_n)
-// with W_nn = 1/m_a + 1/m_b and, for disks (I = m r²/2), W_tt = 3 W_nn, W_nt = 0. With s = r x spin the relative velocity is
+// with W_nn = 1/m_a + 1/m_b and, for disks (I = m r²/2), W_tt = 3 W_nn, W_nt = 0. With s = r x spin the relative
+// velocity is
 //     v_n = n·(v_a - v_b),   v_t = t·(v_a - v_b) - (s_a + s_b),   t = (-n_y, n_x),
 // and an impulse changes v by ±(r_n n + r_t t)/m and s by -2 r_t/m on both sides.
 // Selections are written `a > b ? a : b`, alike in scalar and vector code.
@@ -14,8 +15,9 @@
 namespace nappe {
 namespace {
 
-// A register holds `width` doubles; a batch of eight contacts takes 8 / width of them. What wide shuffles would be emulated by
-// scalar moves on a narrower instruction set, so the transposition of bodies into lanes is written once per width.
+// A register holds `width` doubles; a batch of eight contacts takes 8 / width of them. What wide shuffles would be
+// emulated by scalar moves on a narrower instruction set, so the transposition of bodies into lanes is written once per
+// width.
 #if defined(__AVX512F__)
 constexpr int width = 8;
 #elif defined(__AVX2__)
@@ -52,7 +54,8 @@ inline __attribute__((always_inline)) void put(double* u, std::int32_t i, const 
 }
 #endif
 
-// gather: bodies i[0] … i[width-1], transposed into lanes. scatter: back; lanes that name one unmovable body all write what was there.
+// gather: bodies i[0] … i[width-1], transposed into lanes. scatter: back; lanes that name one unmovable body all write
+// what was there.
 #if defined(__AVX512F__)
 inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
     const Lane a = __builtin_shufflevector(row(u, i[0]), row(u, i[1]), 0, 1, 2, 3, 4, 5, 6, 7);
@@ -97,7 +100,8 @@ inline __attribute__((always_inline)) Bodies gather(const double* u, const std::
 }
 
 inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
-    const Row ac_v = __builtin_shufflevector(w.vx, w.vy, 0, 4, 2, 6), bd_v = __builtin_shufflevector(w.vx, w.vy, 1, 5, 3, 7);
+    const Row ac_v = __builtin_shufflevector(w.vx, w.vy, 0, 4, 2, 6),
+              bd_v = __builtin_shufflevector(w.vx, w.vy, 1, 5, 3, 7);
     const Row ac_s = __builtin_shufflevector(w.s, w.inv_m, 0, 4, 2, 6);
     const Row bd_s = __builtin_shufflevector(w.s, w.inv_m, 1, 5, 3, 7);
     put(u, i[0], __builtin_shufflevector(ac_v, ac_s, 0, 1, 4, 5));

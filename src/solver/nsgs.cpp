@@ -46,7 +46,7 @@ void Nsgs<D>::warm_start(const ContactsOf<D>& contacts, Halo<D>& halo, std::vect
 
 template <int D>
 SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
-                        const SolverSettings& settings, int sweeps, double scale) {
+                           const SolverSettings& settings, int sweeps, double scale) {
     SolveReport report;
     const int most = settings.tolerance ? settings.max_sweeps : sweeps;
     while (report.sweeps < most) {

@@ -1,7 +1,8 @@
 #pragma once
-// Block non-smooth Gauss–Seidel (seeds/000 eq. 5) by tiles: one sweep relaxes, colour by colour, first the tiles whose grains
-// other ranks hold, sends what they changed, relaxes the rest meanwhile, receives. The order of relaxation is that of tile colours
-// and, in a tile, of contact classes: the same on any number of ranks. (Departs from the source in that order only.)
+// Block non-smooth Gauss–Seidel (seeds/000 eq. 5) by tiles: one sweep relaxes, colour by colour, first the tiles whose
+// grains other ranks hold, sends what they changed, relaxes the rest meanwhile, receives. The order of relaxation is
+// that of tile colours and, in a tile, of contact classes: the same on any number of ranks. (Departs from the source in
+// that order only.)
 
 #include "core/stopwatch.hpp"
 #include "parallel/domain.hpp"
@@ -21,7 +22,7 @@ struct Residual {
 /// What a solve did.
 struct SolveReport {
     int sweeps = 0;
-    bool converged = true; ///< false only if a tolerance was set and not reached within max_sweeps
+    bool converged = true;        ///< false only if a tolerance was set and not reached within max_sweeps
     std::int64_t relaxations = 0; ///< on this rank
 };
 

@@ -169,9 +169,9 @@ std::vector<FrameGrain<D>> frame_grains(const Simulation<D>& simulation) {
         const LocalId a = set.a[c], b = set.b[c];
         to[static_cast<std::size_t>(comm.rank())].push_back({state.id[a], partner_key(state, b), set.r[c].n});
         if (b < state.n_held()) {
-            const int owner = b < state.n_own
-                                  ? comm.rank()
-                                  : simulation.domain().directory().owner(simulation.domain().grid().key(state.x_ref[b]));
+            const int owner =
+                b < state.n_own ? comm.rank()
+                                : simulation.domain().directory().owner(simulation.domain().grid().key(state.x_ref[b]));
             to[static_cast<std::size_t>(owner)].push_back({state.id[b], state.id[a], set.r[c].n});
         }
     }
@@ -232,7 +232,7 @@ std::vector<FrameContact<D>> frame_contacts(const Simulation<D>& simulation) {
         row.wall = wall ? walls.feature(b - state.n_held()).wall : -1;
         const auto* law = find_law(simulation.scene(), state.material[a], state.material[b]);
         const double limit = (law != nullptr ? law->friction : 0.0) * row.r_n;
-        const auto status = !(row.r_n > 0) ? ContactStatus::open
+        const auto status = !(row.r_n > 0)                                ? ContactStatus::open
                             : std::sqrt(tangential) < limit * (1 - 1e-12) ? ContactStatus::stick
                                                                           : ContactStatus::slip;
         row.status = static_cast<std::int32_t>(status);

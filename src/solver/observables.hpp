@@ -18,9 +18,9 @@ template <int D>
 Energies energies(const Simulation<D>& simulation);
 
 struct Overlaps {
-    double mean = 0;    ///< of contacts that carry an impulse: max(-gap, 0) over the smaller radius
-    double largest = 0; ///< of all candidates
-    std::int64_t contacts = 0;   ///< that carry an impulse
+    double mean = 0;           ///< of contacts that carry an impulse: max(-gap, 0) over the smaller radius
+    double largest = 0;        ///< of all candidates
+    std::int64_t contacts = 0; ///< that carry an impulse
     std::int64_t candidates = 0;
 };
 
@@ -32,7 +32,7 @@ Overlaps overlaps(const Simulation<D>& simulation);
 template <int D>
 struct CellShape {
     std::int64_t grains = 0;
-    double volume = 0; ///< of the grains themselves [m²]
+    double volume = 0;              ///< of the grains themselves [m²]
     Vec<D> extent = Vec<D>::Zero(); ///< largest minus smallest coordinate of centres (seeds/000 eq. 11) [m]
 };
 

@@ -18,8 +18,9 @@ double largest_radius(const Scene<D>& scene) {
 template <int D>
 Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels)
     : comm_(comm), scene_(scene), walls_(scene.walls),
-      domain_(comm, TileGrid<D>(scene.origin, scene.tiles.side_for(largest_radius(scene))), scene.balance), contacts_(scene, kernels),
-      solver_(comm, watch_), sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
+      domain_(comm, TileGrid<D>(scene.origin, scene.tiles.side_for(largest_radius(scene))), scene.balance),
+      contacts_(scene, kernels), solver_(comm, watch_), sums_(scene.output.cells.size(), walls_),
+      r_max_(largest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);
 }
 
@@ -44,7 +45,8 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     walls_ = Walls<D>(scene_.walls);
     stage_start_ = 0;
     stage_steps_ = 0;
-    // Nothing may tell a sample made in this run from one found in the store: not the series' first row, not when tiles move.
+    // Nothing may tell a sample made in this run from one found in the store: not the series' first row, not when tiles
+    // move.
     counters_ = {};
     last_balance_ = 0;
     last_residual_.reset();
@@ -62,8 +64,8 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
 template <int D>
 void Simulation<D>::start_stage(int stage) {
     const bool preparing = scene_.stages[static_cast<std::size_t>(stage)].until.has_value();
-    const bool follows = !preparing && stage > 0 && stage_ == stage - 1 &&
-                         !scene_.stages[static_cast<std::size_t>(stage_)].until;
+    const bool follows =
+        !preparing && stage > 0 && stage_ == stage - 1 && !scene_.stages[static_cast<std::size_t>(stage_)].until;
     stage_start_ = follows ? time() : 0.0;
     stage_ = stage;
     stage_steps_ = 0;

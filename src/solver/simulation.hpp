@@ -18,14 +18,14 @@ namespace nappe {
 
 /// Counted since the sample was loaded; per rank unless it says global.
 struct Counters {
-    std::int64_t steps = 0;         ///< global
-    std::int64_t relaxations = 0;   ///< contacts relaxed, padding not counted
-    std::int64_t sweeps = 0;        ///< global
-    std::int64_t rebuilds = 0;      ///< global
-    std::int64_t redone_lists = 0;  ///< global: steps redone since a grain outran its margin
-    std::int64_t redone_packs = 0;  ///< global: steps redone since a contact left out came to act
-    std::int64_t unconverged = 0;   ///< global: steps that reached max_sweeps
-    std::int64_t rebalanced = 0;    ///< global
+    std::int64_t steps = 0;        ///< global
+    std::int64_t relaxations = 0;  ///< contacts relaxed, padding not counted
+    std::int64_t sweeps = 0;       ///< global
+    std::int64_t rebuilds = 0;     ///< global
+    std::int64_t redone_lists = 0; ///< global: steps redone since a grain outran its margin
+    std::int64_t redone_packs = 0; ///< global: steps redone since a contact left out came to act
+    std::int64_t unconverged = 0;  ///< global: steps that reached max_sweeps
+    std::int64_t rebalanced = 0;   ///< global
 };
 
 /// Bits that ranks agree on at the end of every step by one Allreduce.
@@ -35,7 +35,7 @@ inline constexpr std::uint32_t outran_list = 1u << 1;
 inline constexpr std::uint32_t missed_contact = 1u << 2;
 inline constexpr std::uint32_t rebuild_next = 1u << 3;
 inline constexpr std::uint32_t through_wall = 1u << 4;
-inline constexpr std::uint32_t too_fast = 1u << 5; ///< a grain moves farther in a step than tiles allow
+inline constexpr std::uint32_t too_fast = 1u << 5;       ///< a grain moves farther in a step than tiles allow
 inline constexpr std::uint32_t outside_first = 1u << 16; ///< bits from here on are the caller's: signals, I/O errors
 } // namespace flag
 
@@ -49,15 +49,16 @@ public:
     /// @param h the step [s] whose impulses these are.
     void load(const std::vector<GrainRow<D>>& grains, const std::vector<ContactRow<D>>& impulses, double h);
 
-    /// **Collective.** The next steps belong to this stage. Rebuilds lists: every stage starts from the same state whether the
-    /// one before it was computed or its result loaded.
+    /// **Collective.** The next steps belong to this stage. Rebuilds lists: every stage starts from the same state
+    /// whether the one before it was computed or its result loaded.
     void start_stage(int stage);
 
     /// **Collective.** Marks the grains inside the scene's cells; called when loading starts.
     void mark_cells();
 
     /// **Collective.** Advances by the stage's h. @param outside bits of the caller, >= flag::outside_first
-    /// @returns those bits of all ranks. Throws NumericalFailure (NaN, a grain through a wall or too fast), naming the grain.
+    /// @returns those bits of all ranks. Throws NumericalFailure (NaN, a grain through a wall or too fast), naming the
+    /// grain.
     std::uint32_t step(std::uint32_t outside = 0, bool with_residual = false);
 
     /// Of the last step, if it was asked for or a tolerance is set.
@@ -76,7 +77,8 @@ public:
     Stopwatch& watch() { return watch_; }
     const SolverSettings& settings() const { return scene_.stages[static_cast<std::size_t>(stage_)].solver; }
     int stage() const { return stage_; }
-    double time() const { return stage_start_ + static_cast<double>(stage_steps_) * settings().h; } ///< in this stage's clock [s]
+    /// In this stage's clock [s].
+    double time() const { return stage_start_ + static_cast<double>(stage_steps_) * settings().h; }
     std::int64_t stage_steps() const { return stage_steps_; }
     double mean_radius() const { return mean_radius_; } ///< of all grains [m]
     double total_mass() const { return total_mass_; }   ///< of all grains [kg]
@@ -86,7 +88,8 @@ public:
     std::vector<GrainRow<D>> grain_rows() const;
     std::vector<ContactRow<D>> contact_rows() const { return impulse_rows(state_, candidates_); }
 
-    /// **Collective.** Of positions, velocities, rotations, radii and impulses by name; the same on any number of ranks.
+    /// **Collective.** Of positions, velocities, rotations, radii and impulses by name; the same on any number of
+    /// ranks.
     std::uint64_t state_hash() const;
 
 private:
@@ -128,14 +131,15 @@ private:
     std::int64_t stage_steps_ = 0;
     bool rebuild_due_ = true;
     double impulse_h_ = 0; ///< step [s] whose impulses the candidates hold: forces are kept where h changes
-    std::vector<ContactRow<D>> waiting_; ///< impulses that came with the sample, until the first rebuild has candidates for them
+    /// Impulses that came with the sample, until the first rebuild has candidates for them.
+    std::vector<ContactRow<D>> waiting_;
     std::uint32_t agreed_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;
 
     std::unordered_map<TileKey, std::int64_t> work_; ///< relaxations of tiles since the last look at the balance
     std::vector<std::int64_t> tile_work_;            ///< the same since the last rebuild, by row of candidates_.tiles
-    std::int64_t last_balance_ = 0; ///< step of the last look
+    std::int64_t last_balance_ = 0;                  ///< step of the last look
 };
 
 /// Largest radius of a scene: what sizes its tiles [m].

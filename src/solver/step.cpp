@@ -5,8 +5,8 @@
 //     v_i+1  = v_free + M^-1 H r,  r from the contact law     (nsgs.cpp, disk_sweep.inl)
 //     q_i+1  = q_i + h theta v_i+1 + h (1 - theta) v_i
 //
-// Departs from the source in nothing but the order of relaxation. Copies of grains on several ranks go through the same operations
-// and stay equal, so that positions are never sent between rebuilds.
+// Departs from the source in nothing but the order of relaxation. Copies of grains on several ranks go through the same
+// operations and stay equal, so that positions are never sent between rebuilds.
 
 #include "core/contact_geometry.hpp"
 #include "core/error.hpp"
@@ -61,10 +61,10 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
             break;
         }
         if (attempt == most_attempts) {
-            throw NumericalFailure(fmt::format("step {} of stage '{}' had to be redone more than {} times, since grains moved "
-                                               "farther than foreseen each time; take a smaller solver.h or more sweeps",
-                                               stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name,
-                                               most_attempts));
+            throw NumericalFailure(
+                fmt::format("step {} of stage '{}' had to be redone more than {} times, since grains moved "
+                            "farther than foreseen each time; take a smaller solver.h or more sweeps",
+                            stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name, most_attempts));
         }
         // Redone from the same start, but from the impulses found so far.
         contacts_.store(candidates_);
@@ -189,7 +189,8 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
     const double falling = h * h * scene_.gravity.norm(); // what gravity may add in the next step
     const double most = domain_.largest_margin(r_max_);
     for (LocalId i = 0; i < state_.n_own; ++i) {
-        // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole step, and by one more.
+        // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole step, and by one
+        // more.
         double here = 0, next = 0, jump = 0;
         for (int d = 0; d < D; ++d) {
             const double move = h * state_.u[i].v[d];
@@ -262,7 +263,8 @@ void Simulation<D>::collect() {
     sums_.end_step();
 }
 
-/// How far each grain may go before lists are rebuilt: the skin's half for those at rest, `lookahead` steps for those that move.
+/// How far each grain may go before lists are rebuilt: the skin's half for those at rest, `lookahead` steps for those
+/// that move.
 template <int D>
 void Simulation<D>::set_margins(double h) {
     const double most = domain_.largest_margin(r_max_);
@@ -371,11 +373,15 @@ void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h
     }
     const auto who = -comm_.max(-mine);
     if ((flags & flag::not_finite) != 0) {
-        throw NumericalFailure(fmt::format("the velocity of grain {} is not finite in {}; two grains may share a centre, or an "
-                                           "input number is out of proportion", who, where));
+        throw NumericalFailure(
+            fmt::format("the velocity of grain {} is not finite in {}; two grains may share a centre, or an "
+                        "input number is out of proportion",
+                        who, where));
     }
-    throw NumericalFailure(fmt::format("grain {} would move more than {} m in {}, farther than tiles allow; take a smaller "
-                                       "solver.h or a larger tiles.side", who, domain_.largest_margin(r_max_), where));
+    throw NumericalFailure(
+        fmt::format("grain {} would move more than {} m in {}, farther than tiles allow; take a smaller "
+                    "solver.h or a larger tiles.side",
+                    who, domain_.largest_margin(r_max_), where));
 }
 
 template class Simulation<2>;

@@ -1,5 +1,5 @@
-// The sweep kernel alone, per instruction set and size: nanoseconds per relaxation of a deposit of disks, tile by tile, on one core.
-// Run it on a quiet machine: build/ci/tests/benchmarks/benchmark.sweep; compare figures of one run only.
+// The sweep kernel alone, per instruction set and size: nanoseconds per relaxation of a deposit of disks, tile by tile,
+// on one core. Run it on a quiet machine: build/ci/tests/benchmarks/benchmark.sweep; compare figures of one run only.
 #include "core/deposit.hpp"
 #include "core/error.hpp"
 #include "core/neighbours.hpp"
@@ -17,7 +17,8 @@ using namespace nappe;
 
 /// A box of disks as deposited, packed for a step of 0.025 s.
 struct Pile {
-    Pile(int n_grains, const DiskKernels& kernels) : scene(make_scene(n_grains)), walls(scene.walls), contacts(scene, kernels) {
+    Pile(int n_grains, const DiskKernels& kernels)
+        : scene(make_scene(n_grains)), walls(scene.walls), contacts(scene, kernels) {
         const TileGrid<2> grid(scene.origin, scene.tiles.side_for(scene.sample->radii.max));
         std::vector<GrainRecord<2>> records;
         for (const auto& row : deposit(*scene.sample, 2800.0, scene.gravity)) {
@@ -25,9 +26,8 @@ struct Pile {
             records.back().margin = 0.08;
         }
         const auto key = [&](const GrainRecord<2>& g) { return grid.key(Vec<2>(g.x[0], g.x[1])); };
-        std::sort(records.begin(), records.end(), [&](const auto& p, const auto& q) {
-            return key(p) != key(q) ? key(p) < key(q) : p.id < q.id;
-        });
+        std::sort(records.begin(), records.end(),
+                  [&](const auto& p, const auto& q) { return key(p) != key(q) ? key(p) < key(q) : p.id < q.id; });
         state.assign(records, {}, walls.n_bodies());
         candidates = find_candidates(state, grid, walls, ContactMemory<2>());
         for (LocalId i = 0; i < state.n_held(); ++i) {
@@ -44,7 +44,8 @@ struct Pile {
         Sample<2> sample;
         sample.material = 1;
         sample.radii = {RadiusLaw::Kind::uniform, 0.42, 0.56};
-        const double height = 30, length = std::max(10.0, n_grains * 0.92 / height); // about 0.92 m² a disk, pores included
+        const double height = 30,
+                     length = std::max(10.0, n_grains * 0.92 / height); // about 0.92 m² a disk, pores included
         sample.profile = {{0, 0}, {length, 0}, {length, height}, {0, height}};
         s.sample = sample;
         s.walls = {{"box", 0, {{0, 40}, {0, 0}, {length, 0}, {length, 40}}, {}}};
