@@ -120,6 +120,20 @@ TEST(Impact, BouncingStopsAfterTheGeometricSeries) {
     EXPECT_NEAR(order, 1.0, 0.25);
 }
 
+/// An overlap that is already there (a deposit's, or an unconverged step's) is not pushed out: it would be energy from nothing.
+TEST(Impact, OverlapIsNotPushedOut) {
+    const double r = 0.5, sunk = 0.02;
+    for (const double e : {0.0, 0.5}) {
+        SceneBuilder b(0.4, e);
+        b.floor().grain(r, {0, r - sunk}).grain(r, {0, 3 * r - 2 * sunk}).stage(solver(1e-3, 100));
+        SerialRun run(b.scene());
+        run.steps(100);
+        EXPECT_NEAR(run.grain(0).x[1], r - sunk, 1e-12) << e;
+        EXPECT_NEAR(run.grain(1).x[1], 3 * r - 2 * sunk, 1e-12) << e;
+        EXPECT_NEAR(run.normal_impulse(0, wall_id(0)), 2 * disk_mass(r) * g * 1e-3, 1e-9 * disk_mass(r)) << e;
+    }
+}
+
 /// e = 0: after the impact the disk stays where it is, at the floor, and has neither sunk nor been thrown back.
 TEST(Impact, InelasticSticks) {
     const double r = 0.5, h = 1e-3;

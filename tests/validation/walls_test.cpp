@@ -153,6 +153,34 @@ TEST(Tunnelling, NoSpeedGetsThroughAWall) {
     }
 }
 
+/// The same with the parts exchanged: a wall comes down on a resting disk, faster than any disk may move.
+TEST(Tunnelling, NoDiskGetsThroughAMovingWall) {
+    for (const double speed : {1.0, 30.0, 100.0, 250.0, 1000.0, 1e5}) {
+        for (const double gap : {0.0, 0.013, 0.3, 4.0}) {
+            Motion<2> motion;
+            motion.velocity = {speed, 0};
+            motion.start = 0.02;
+            SceneBuilder b(0.4);
+            b.floor(1e4)
+                .moving_wall("ram", {{0, 50}, {0, 0}}, motion)
+                .grain(0.5, {0.5 + gap, 0.5})
+                .stage(solver(1e-2, 20));
+            SerialRun run(b.scene());
+            try {
+                for (int n = 0; n < 50; ++n) {
+                    run.steps(1);
+                    ASSERT_GT(run.grain(0).x[0], run.simulation().walls().points(1)[0][0])
+                        << "speed " << speed << " gap " << gap << " step " << n;
+                }
+                EXPECT_GE(run.grain(0).v[0], (0.5 * speed > gap ? 1 - 1e-9 : 0) * speed);
+            } catch (const NumericalFailure& failure) {
+                EXPECT_GT(speed, 30) << failure.what();
+                EXPECT_NE(std::string(failure.what()).find("grain 0 "), std::string::npos) << failure.what();
+            }
+        }
+    }
+}
+
 /// Pressed into the joint of two segments by the weight of a heavy disk, a light one neither slips between them nor goes through.
 TEST(Tunnelling, NothingSlipsBetweenTwoSegments) {
     for (const double bend : {-0.8, -0.1, 0.0, 0.1, 0.8}) { // ridge … valley
