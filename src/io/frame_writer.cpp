@@ -57,7 +57,8 @@ void add_grains(const RowRange& range, const std::vector<FrameGrain<D>>& grains,
     const auto copy_spin = [](const auto& from, double* to) { std::copy(from.begin(), from.end(), to); };
     content.add<double>("/VTKHDF/Points", 3, range, grains, [](const Row& g, double* to) { pad(g.grain.x, to); });
     content.add<std::int64_t>(point_data + "id", range, grains, [](const Row& g) { return g.grain.id; });
-    content.add<double>(point_data + "velocity", 3, range, grains, [](const Row& g, double* to) { pad(g.grain.v, to); });
+    content.add<double>(point_data + "velocity", 3, range, grains,
+                        [](const Row& g, double* to) { pad(g.grain.v, to); });
     content.add<double>(point_data + "spin", spin_columns, range, grains,
                         [&](const Row& g, double* to) { copy_spin(g.grain.spin, to); });
     content.add<double>(point_data + "rotation", spin_columns, range, grains,

@@ -40,7 +40,8 @@ std::filesystem::path frame_name(std::int64_t step);
 /// Writes a frame; the folder must exist. Collective over comm.
 ///
 /// Rows go to the file sorted by GlobalId, contacts by (lo, hi): every dataset but `rank` is the same on any number of
-/// ranks. The file gets its name when it is complete and verified (io/hdf5_writer.hpp). Throws SystemError on all ranks.
+/// ranks. The file gets its name when it is complete and verified (io/hdf5_writer.hpp). Throws SystemError on all
+/// ranks.
 template <int D>
 FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& path, Frame<D>&& frame);
 

@@ -7,8 +7,8 @@
 
 namespace nappe {
 
-/// What HDF5 refused, in our words plus the innermost of its own. Never leaves src/io: callers turn it into a SystemError
-/// on all ranks, or into the reason why a stored sample is not used.
+/// What HDF5 refused, in our words plus the innermost of its own. Never leaves src/io: callers turn it into a
+/// SystemError on all ranks, or into the reason why a stored sample is not used.
 struct Hdf5Failure : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -16,8 +16,8 @@ struct Hdf5Failure : std::runtime_error {
 /// Owns one HDF5 identifier. Local, but closing a file opened by several ranks is collective over them.
 class Hdf5Handle {
 public:
-    using Id = std::int64_t;      // hid_t, checked in the .cpp
-    using Close = int (*)(Id);    // H5Fclose, H5Dclose …
+    using Id = std::int64_t;   // hid_t, checked in the .cpp
+    using Close = int (*)(Id); // H5Fclose, H5Dclose …
 
     Hdf5Handle() = default;
     /// Throws Hdf5Failure(what) if `id` says that HDF5 could not make it.

@@ -9,8 +9,8 @@ namespace nappe {
 namespace {
 
 Hdf5Handle open_attribute(const Hdf5Handle& file, const std::string& object, const std::string& attribute) {
-    return Hdf5Handle(H5Aopen_by_name(file.get(), object.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                      "attribute " + attribute + " of " + object + " can not be opened");
+    return Hdf5Handle(H5Aopen_by_name(file.get(), object.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                      H5Aclose, "attribute " + attribute + " of " + object + " can not be opened");
 }
 
 template <class T>

@@ -34,7 +34,8 @@ Hdf5Handle space_of(const Hdf5Handle& dataset) {
 }
 
 Hdf5Handle open_dataset(const Hdf5Handle& file, const std::string& path) {
-    return Hdf5Handle(H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), H5Dclose, "dataset " + path + " can not be opened");
+    return Hdf5Handle(H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), H5Dclose,
+                      "dataset " + path + " can not be opened");
 }
 
 /// Rows and columns; a dataset of one dimension has one column.
@@ -52,11 +53,16 @@ std::array<hsize_t, 2> extent(const Hdf5Handle& space, const std::string& path) 
 
 Hdf5Handle::Id native_type(ElementType type) {
     switch (type) {
-    case ElementType::float64: return H5T_NATIVE_DOUBLE;
-    case ElementType::int64: return H5T_NATIVE_INT64;
-    case ElementType::int32: return H5T_NATIVE_INT32;
-    case ElementType::uint64: return H5T_NATIVE_UINT64;
-    case ElementType::uint8: return H5T_NATIVE_UINT8;
+    case ElementType::float64:
+        return H5T_NATIVE_DOUBLE;
+    case ElementType::int64:
+        return H5T_NATIVE_INT64;
+    case ElementType::int32:
+        return H5T_NATIVE_INT32;
+    case ElementType::uint64:
+        return H5T_NATIVE_UINT64;
+    case ElementType::uint8:
+        return H5T_NATIVE_UINT8;
     }
     return -1;
 }

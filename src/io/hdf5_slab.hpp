@@ -1,5 +1,6 @@
 #pragma once
-// Runs of rows to and from the datasets of an open file, in pieces small enough for every MPI-IO. Local: each rank on its own.
+// Runs of rows to and from the datasets of an open file, in pieces small enough for every MPI-IO. Local: each rank on
+// its own.
 
 #include "io/hdf5_content.hpp"
 #include "io/hdf5_handle.hpp"

@@ -20,7 +20,8 @@ namespace {
 
 Hdf5Handle create_dataset(const Hdf5Handle& file, const Hdf5Dataset& dataset, const Hdf5Handle& links) {
     const std::array<hsize_t, 2> size{static_cast<hsize_t>(dataset.range.total), static_cast<hsize_t>(dataset.columns)};
-    const Hdf5Handle space(H5Screate_simple(dataset.columns == 1 ? 1 : 2, size.data(), nullptr), H5Sclose, "no data space");
+    const Hdf5Handle space(H5Screate_simple(dataset.columns == 1 ? 1 : 2, size.data(), nullptr), H5Sclose,
+                           "no data space");
     const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no property list");
     // Every row has its place in the file from the start; all are written, so filling them first would only cost time.
     // Times of creation would make equal data unequal files.
@@ -130,7 +131,8 @@ void create_hdf5_structure(const std::filesystem::path& path, const Hdf5Content&
     create_with_room(path, longest(content));
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no property list");
     hdf5_check(H5Pset_file_locking(access.get(), false, true), "file locking can not be set");
-    Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, "the file's structure can not be made");
+    Hdf5Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose,
+                    "the file's structure can not be made");
     create_all(file, content);
     file.close("the file's structure can not be closed"); // gives back what was reserved too much
 }

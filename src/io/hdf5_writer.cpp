@@ -49,7 +49,8 @@ std::string prepare(const Communicator& comm, const std::string& path, const Hdf
     error = error_of([&] { const FileDescriptor seen(path, O_RDWR); });
     if (!error.empty()) {
         error = fmt::format("rank {} does not see a file that rank 0 has created ({}); write to a file system that all "
-                            "nodes share", comm.rank(), error);
+                            "nodes share",
+                            comm.rank(), error);
     }
     return comm.first_error(error);
 }
@@ -58,7 +59,8 @@ Hdf5Handle open_together(const Communicator& comm, const std::string& path) {
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no property list");
     hdf5_check(H5Pset_fapl_mpio(access.get(), comm.handle(), MPI_INFO_NULL), "HDF5 refuses MPI");
     hdf5_check(H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG), "no close degree");
-    return Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, "the file can not be opened by all ranks");
+    return Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose,
+                      "the file can not be opened by all ranks");
 }
 
 /// Each rank's rows into the prepared file; the error that all ranks agree on. Collective.
@@ -73,7 +75,8 @@ std::string write_rows(const Communicator& comm, const std::string& path, const 
             write_slab(file, dataset);
         }
     }));
-    // Together, whatever happened above: closing is collective, and leaving it out would hang at the end of the program.
+    // Together, whatever happened above: closing is collective, and leaving it out would hang at the end of the
+    // program.
     const std::string at_close = comm.first_error(error_of([&] { file.close("closing the file fails"); }));
     return error.empty() ? at_close : error;
 }
@@ -82,7 +85,8 @@ std::string write_rows(const Communicator& comm, const std::string& path, const 
 void verify(const std::string& path, const Hdf5Content& content) {
     const auto file = open_to_read(path);
     for (const auto& dataset : content.datasets) {
-        const auto stored = read_slab(file, dataset.path, dataset.type, dataset.columns, dataset.range.first, dataset.range.rows);
+        const auto stored =
+            read_slab(file, dataset.path, dataset.type, dataset.columns, dataset.range.first, dataset.range.rows);
         if (stored != dataset.bytes) {
             throw Hdf5Failure("dataset " + dataset.path + " reads back different from what was written");
         }
@@ -107,12 +111,15 @@ void write_hdf5(const Communicator& comm, const std::filesystem::path& path, con
         error = comm.first_error(error_of([&] { verify(temporary, content); }));
     }
     if (error.empty()) {
-        error = comm.first_error(comm.is_root() ? error_of([&] { rename_into_place(temporary, path); }) : std::string());
+        error =
+            comm.first_error(comm.is_root() ? error_of([&] { rename_into_place(temporary, path); }) : std::string());
     }
     if (!error.empty()) {
         remove_together(comm, temporary);
-        throw SystemError(fmt::format("{} is not written: {}. Check the room on that disk, your quota and the limit on the "
-                                      "size of files (ulimit -f), or write elsewhere", path.string(), error));
+        throw SystemError(
+            fmt::format("{} is not written: {}. Check the room on that disk, your quota and the limit on the "
+                        "size of files (ulimit -f), or write elsewhere",
+                        path.string(), error));
     }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Rows in the order of their GlobalId, a contiguous block of ids a rank: the order of every file, so that what is written
-// does not depend on who owned what.
+// Rows in the order of their GlobalId, a contiguous block of ids a rank: the order of every file, so that what is
+// written does not depend on who owned what.
 
 #include "core/error.hpp"
 #include "core/types.hpp"
@@ -54,7 +54,8 @@ std::vector<Row> send_to_blocks(const Communicator& comm, const IdBlocks& blocks
     for (const Row& row : rows) {
         const GlobalId id = id_of(row);
         if (id < 0 || id >= blocks.n) {
-            error = fmt::format("grain id {} is outside 0 … {} on rank {}: a bug of nappe", id, blocks.n - 1, comm.rank());
+            error =
+                fmt::format("grain id {} is outside 0 … {} on rank {}: a bug of nappe", id, blocks.n - 1, comm.rank());
             continue;
         }
         to[static_cast<std::size_t>(blocks.holder(id))].push_back(row);
@@ -68,10 +69,11 @@ std::vector<Row> send_to_blocks(const Communicator& comm, const IdBlocks& blocks
     return mine;
 }
 
-/// Grains sorted by id on the rank of their block, each id there once. Collective over comm. id_of(row) is the GlobalId.
-/// SystemError on all ranks if one is missing or there twice: nothing incomplete is ever stored.
+/// Grains sorted by id on the rank of their block, each id there once. Collective over comm. id_of(row) is the
+/// GlobalId. SystemError on all ranks if one is missing or there twice: nothing incomplete is ever stored.
 template <class Row, class IdOf>
-std::vector<Row> grains_in_blocks(const Communicator& comm, const IdBlocks& blocks, std::vector<Row>&& rows, IdOf id_of) {
+std::vector<Row> grains_in_blocks(const Communicator& comm, const IdBlocks& blocks, std::vector<Row>&& rows,
+                                  IdOf id_of) {
     auto mine = send_to_blocks(comm, blocks, std::move(rows), id_of);
     std::sort(mine.begin(), mine.end(), [&](const Row& a, const Row& b) { return id_of(a) < id_of(b); });
     // The total is n, so an id that is missing somewhere is there twice, or another is.
@@ -79,8 +81,8 @@ std::vector<Row> grains_in_blocks(const Communicator& comm, const IdBlocks& bloc
     const GlobalId first = blocks.first(comm.rank());
     for (std::size_t i = 0; i < mine.size() && error.empty(); ++i) {
         if (const GlobalId expected = first + static_cast<GlobalId>(i); id_of(mine[i]) != expected) {
-            error = fmt::format("grain {} is {} among all ranks' rows: a bug of nappe", std::min(id_of(mine[i]), expected),
-                                id_of(mine[i]) < expected ? "twice" : "missing");
+            error = fmt::format("grain {} is {} among all ranks' rows: a bug of nappe",
+                                std::min(id_of(mine[i]), expected), id_of(mine[i]) < expected ? "twice" : "missing");
         }
     }
     comm.throw_together<SystemError>(error);
@@ -94,12 +96,12 @@ std::vector<Row> contacts_in_blocks(const Communicator& comm, const IdBlocks& bl
     auto mine = send_to_blocks(comm, blocks, std::move(rows), [](const Row& row) { return row.lo; });
     const auto key = [](const Row& row) { return std::pair(row.lo, row.hi); };
     std::sort(mine.begin(), mine.end(), [&](const Row& a, const Row& b) { return key(a) < key(b); });
-    const auto twice = std::adjacent_find(mine.begin(), mine.end(),
-                                          [&](const Row& a, const Row& b) { return key(a) == key(b); });
+    const auto twice =
+        std::adjacent_find(mine.begin(), mine.end(), [&](const Row& a, const Row& b) { return key(a) == key(b); });
     comm.throw_together<SystemError>(
-        twice == mine.end()
-            ? std::string()
-            : fmt::format("contact ({}, {}) is there twice among all ranks' rows: a bug of nappe", twice->lo, twice->hi));
+        twice == mine.end() ? std::string()
+                            : fmt::format("contact ({}, {}) is there twice among all ranks' rows: a bug of nappe",
+                                          twice->lo, twice->hi));
     return mine;
 }
 

@@ -14,8 +14,8 @@ namespace nappe {
 
 namespace {
 
-constexpr double redraw_every = 0.2;  // [s] on a terminal
-constexpr double rate_memory = 20;    // [s] over which the rate is smoothed
+constexpr double redraw_every = 0.2; // [s] on a terminal
+constexpr double rate_memory = 20;   // [s] over which the rate is smoothed
 
 double steady_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -82,8 +82,8 @@ void Progress::end_stage() {
 }
 
 double Progress::interval(double elapsed) const {
-    // In a log: often at first, when a user looks whether all is well, then every twentieth of the time gone by. A run of
-    // a minute leaves some lines and one of a day about a hundred, whether or not its length is known.
+    // In a log: often at first, when a user looks whether all is well, then every twentieth of the time gone by. A run
+    // of a minute leaves some lines and one of a day about a hundred, whether or not its length is known.
     return settings_.terminal ? redraw_every : std::clamp(elapsed / 20, 10.0, 600.0);
 }
 
@@ -133,14 +133,16 @@ void Progress::clear_line() {
     }
 }
 
-std::string format_progress(const std::string& stage, std::int64_t step, std::int64_t n_steps, double time, double rate) {
+std::string format_progress(const std::string& stage, std::int64_t step, std::int64_t n_steps, double time,
+                            double rate) {
     std::string text = n_steps > 0 ? fmt::format("{} {}/{} ({} %)", stage, step, n_steps, 100 * step / n_steps)
                                    : fmt::format("{} {} steps", stage, step);
     text += fmt::format(", t = {:.6g} s", time);
     if (rate > 0) {
         text += fmt::format(", {:.3g} steps/s", rate);
         if (n_steps > 0) {
-            text += ", " + format_duration(static_cast<double>(std::max<std::int64_t>(0, n_steps - step)) / rate) + " left";
+            text +=
+                ", " + format_duration(static_cast<double>(std::max<std::int64_t>(0, n_steps - step)) / rate) + " left";
         }
     }
     return text;

@@ -15,9 +15,9 @@ namespace nappe {
 class Progress {
 public:
     struct Settings {
-        bool enabled = true;        ///< false on every rank but 0: then nothing is ever shown
-        bool terminal = false;      ///< redraw one line
-        std::FILE* out = nullptr;   ///< stderr if null
+        bool enabled = true;         ///< false on every rank but 0: then nothing is ever shown
+        bool terminal = false;       ///< redraw one line
+        std::FILE* out = nullptr;    ///< stderr if null
         std::function<double()> now; ///< seconds of a steady clock; tests give their own
     };
 
@@ -61,7 +61,8 @@ private:
 };
 
 /// "push 1250/20000 (6 %), t = 31.25 s, 5.6 steps/s, 55 min left". n_steps and rate 0: unknown, left out.
-std::string format_progress(const std::string& stage, std::int64_t step, std::int64_t n_steps, double time, double rate);
+std::string format_progress(const std::string& stage, std::int64_t step, std::int64_t n_steps, double time,
+                            double rate);
 
 /// "45 s", "12 min", "3 h 20 min". seconds >= 0
 std::string format_duration(double seconds);

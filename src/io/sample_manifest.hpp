@@ -1,6 +1,7 @@
 #pragma once
-// The small file beside a stored sample. It is written last, and read first: HDF5 1.10.8 crashes or hangs on some damaged
-// files, so a file is opened only when its length and checksum are those of the manifest. Everything here is Local.
+// The small file beside a stored sample. It is written last, and read first: HDF5 1.10.8 crashes or hangs on some
+// damaged files, so a file is opened only when its length and checksum are those of the manifest. Everything here is
+// Local.
 
 #include <nlohmann/json.hpp>
 

@@ -54,8 +54,8 @@ auto adding_to(Hdf5Content& content, const RowRange& range, const std::vector<Ro
 constexpr const char* offsets_path = "/grains/first_contact";
 constexpr const char* origin_path = "/made_from";
 
-/// Where each grain's contacts begin in the whole list, and its length at the end: lets any rank count find the contacts
-/// of its block.
+/// Where each grain's contacts begin in the whole list, and its length at the end: lets any rank count find the
+/// contacts of its block.
 template <int D>
 void add_offsets(const Communicator& comm, const RowRange& grain_range, const RowRange& contact_range,
                  const std::vector<ContactRow<D>>& contacts, Hdf5Content& content) {
@@ -119,8 +119,8 @@ public:
     std::vector<T> read(const std::string& path, int columns, std::int64_t first, std::int64_t rows) {
         auto values = file_.read<T>(path, first, rows, columns);
         const auto row_bytes = sizeof(T) * static_cast<std::size_t>(columns);
-        checks_.push_back({path, file_.bits(path, "checksum"),
-                           row_checksum(std::as_bytes(std::span(values)), row_bytes, first)});
+        checks_.push_back(
+            {path, file_.bits(path, "checksum"), row_checksum(std::as_bytes(std::span(values)), row_bytes, first)});
         return values;
     }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Settled samples, kept for the next run: FOLDER/KEY.hdf with the bits, and FOLDER/KEY.json, its manifest, which says how
-// long the file is and what its checksum is. A sample can always be made again, so anything doubtful is not used.
+// Settled samples, kept for the next run: FOLDER/KEY.hdf with the bits, and FOLDER/KEY.json, its manifest, which says
+// how long the file is and what its checksum is. A sample can always be made again, so anything doubtful is not used.
 
 #include "core/rows.hpp"
 #include "parallel/communicator.hpp"
@@ -29,8 +29,8 @@ template <int D>
 struct StoredSample {
     std::vector<GrainRow<D>> grains;
     std::vector<ContactRow<D>> contacts;
-    std::int64_t n_grains = 0;   ///< over all ranks
-    std::int64_t n_contacts = 0; ///< over all ranks
+    std::int64_t n_grains = 0;    ///< over all ranks
+    std::int64_t n_contacts = 0;  ///< over all ranks
     nlohmann::ordered_json notes; ///< as given to store_sample
 };
 
@@ -52,7 +52,8 @@ void store_sample(const Communicator& comm, const std::filesystem::path& folder,
                   const nlohmann::ordered_json& notes);
 
 /// The sample of this origin, bit for bit as it was stored, or why there is none: no file, no manifest, a file that is
-/// damaged or of something else. Collective over comm; all ranks get the same answer. Does not throw for what is on disk.
+/// damaged or of something else. Collective over comm; all ranks get the same answer. Does not throw for what is on
+/// disk.
 template <int D>
 SampleLookup<D> load_sample(const Communicator& comm, const std::filesystem::path& folder, const SampleOrigin& origin);
 

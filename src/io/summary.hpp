@@ -16,8 +16,8 @@ std::string_view program_version();
 /// 16 hex digits: state hashes, sample keys, checksums.
 std::string hex_digits(std::uint64_t value);
 
-/// Indented, with a newline at the end; numbers in the fewest digits that read back to the same bits; NaN and infinities
-/// as null, bytes that are no UTF-8 as U+FFFD.
+/// Indented, with a newline at the end; numbers in the fewest digits that read back to the same bits; NaN and
+/// infinities as null, bytes that are no UTF-8 as U+FFFD.
 std::string format_summary(const nlohmann::ordered_json& summary);
 
 /// Writes the file atomically. Throws SystemError.

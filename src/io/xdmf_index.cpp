@@ -32,7 +32,8 @@ std::string data_item(const FrameEntry& entry, const Field& field, std::int64_t 
 void append_grid(std::string& text, std::string_view name, const FrameEntry& entry, std::int64_t rows,
                  const Field& connectivity, const Field& points, std::span<const Field> fields) {
     auto out = std::back_inserter(text);
-    fmt::format_to(out, "      <Grid Name=\"{}\" GridType=\"Uniform\">\n        <Time Value=\"{}\"/>\n", name, entry.time);
+    fmt::format_to(out, "      <Grid Name=\"{}\" GridType=\"Uniform\">\n        <Time Value=\"{}\"/>\n", name,
+                   entry.time);
     fmt::format_to(out,
                    "        <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">\n"
                    "          {}\n        </Topology>\n",
@@ -43,7 +44,10 @@ void append_grid(std::string& text, std::string_view name, const FrameEntry& ent
         fmt::format_to(out,
                        "        <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n          {}\n"
                        "        </Attribute>\n",
-                       field.name, field.columns == 3 ? "Vector" : field.columns == 1 ? "Scalar" : "Matrix",
+                       field.name,
+                       field.columns == 3   ? "Vector"
+                       : field.columns == 1 ? "Scalar"
+                                            : "Matrix",
                        data_item(entry, field, rows));
     }
     text += "      </Grid>\n";

@@ -1,5 +1,5 @@
-// Writes the files of a small made-up run into a folder, for the scripts beside it to read: three frames, the middle one
-// without contacts, and their indices. Usage: write_run DIR
+// Writes the files of a small made-up run into a folder, for the scripts beside it to read: three frames, the middle
+// one without contacts, and their indices. Usage: write_run DIR
 #include "io/xdmf_index.hpp"
 #include "parallel/made_up_frame.hpp"
 

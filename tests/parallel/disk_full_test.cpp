@@ -1,8 +1,8 @@
 // A disk that fills up while a frame or a sample is written: every rank throws, nothing half-written is left, the older
 // file stays, and the next one that fits is written.
 //
-// The disk is a small file system mounted by tests/parallel/with_small_disk (NAPPE_SMALL_DISK), or else a limit on the size
-// of the files of the last rank alone, which is the harder case: only one rank sees the error.
+// The disk is a small file system mounted by tests/parallel/with_small_disk (NAPPE_SMALL_DISK), or else a limit on the
+// size of the files of the last rank alone, which is the harder case: only one rank sees the error.
 #include "core/error.hpp"
 #include "io/sample_store.hpp"
 #include "parallel/made_up_frame.hpp"
@@ -22,8 +22,8 @@ namespace {
 constexpr GlobalId n_fits = 100;
 constexpr GlobalId n_too_many = 40'000; // 14 MB with its contacts
 
-/// Files of the last rank can not grow beyond so many bytes while it lives; without effect if there is a small disk. Open
-/// MPI makes a small file of its own whenever it opens one, and hangs if it can not: that much is left.
+/// Files of the last rank can not grow beyond so many bytes while it lives; without effect if there is a small disk.
+/// Open MPI makes a small file of its own whenever it opens one, and hangs if it can not: that much is left.
 std::optional<test::FileSizeLimit> small_files(const Communicator& comm, int bytes) {
     if (comm.rank() != comm.size() - 1 || std::getenv("NAPPE_SMALL_DISK")) {
         return std::nullopt;

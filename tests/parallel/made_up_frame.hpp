@@ -1,6 +1,6 @@
 #pragma once
-// Frames, grains and contacts whose every number follows from ids by a formula, dealt out to the ranks without order: what
-// a file must hold is then known without the code under test. tests/e2e/read_frame.py has the same formulas.
+// Frames, grains and contacts whose every number follows from ids by a formula, dealt out to the ranks without order:
+// what a file must hold is then known without the code under test. tests/e2e/read_frame.py has the same formulas.
 
 #include "io/frame_writer.hpp"
 

@@ -106,7 +106,8 @@ TEST(Samples, OfAnotherOriginAreNotFound) {
     other.physics_revision = 4;
     EXPECT_NE(other.key(), origin.key());
     EXPECT_FALSE(load_sample<2>(world, folder.path(), other).sample);
-    // Nor under this one's name, and not even with a manifest of this one's key: two texts of one checksum would meet so.
+    // Nor under this one's name, and not even with a manifest of this one's key: two texts of one checksum would meet
+    // so.
     const auto json_path = sample_path(folder.path(), other).replace_extension(".json");
     if (world.is_root()) {
         const auto from = sample_path(folder.path(), origin);
@@ -172,9 +173,8 @@ TEST(Samples, MissingFileOrManifestIsFound) {
     const Communicator world(MPI_COMM_WORLD);
     const auto no_file = reason_after(world, [](const std::filesystem::path& path) { std::filesystem::remove(path); });
     EXPECT_NE(no_file.find(".hdf is not there"), std::string::npos) << no_file;
-    const auto no_manifest = reason_after(world, [](std::filesystem::path path) {
-        std::filesystem::remove(path.replace_extension(".json"));
-    });
+    const auto no_manifest = reason_after(
+        world, [](std::filesystem::path path) { std::filesystem::remove(path.replace_extension(".json")); });
     EXPECT_NE(no_manifest.find(".json is not there"), std::string::npos) << no_manifest;
 }
 

@@ -59,7 +59,8 @@ TEST(Progress, LogHasALineNowAndThen) {
     go(shown, 60, 0.5);
     const auto text = shown.text();
     EXPECT_EQ(n_lines(text), 3) << text; // every 10 s at first
-    EXPECT_TRUE(std::regex_search(text, std::regex(R"(\] push 20/20000 \(0 %\), t = 0\.5 s, 2 steps/s, 2 h 47 min left\n)")))
+    EXPECT_TRUE(
+        std::regex_search(text, std::regex(R"(\] push 20/20000 \(0 %\), t = 0\.5 s, 2 steps/s, 2 h 47 min left\n)")))
         << text;
     EXPECT_EQ(text.find('\r'), std::string::npos);
 }
@@ -92,7 +93,8 @@ TEST(Progress, StageEndsWithItsMeanRate) {
     shown.progress->begin_stage("push", 100);
     go(shown, 100, 0.05);
     shown.progress->end_stage();
-    EXPECT_NE(shown.text().find("push 100 steps, t = 2.5 s, 20 steps/s, done in 5 s\n"), std::string::npos) << shown.text();
+    EXPECT_NE(shown.text().find("push 100 steps, t = 2.5 s, 20 steps/s, done in 5 s\n"), std::string::npos)
+        << shown.text();
 }
 
 TEST(Progress, OtherRanksAreSilent) {
