@@ -45,7 +45,7 @@ void define(CLI::App& app, Arguments& arguments) {
         ->type_name("DIR");
     run->add_option("--steps", arguments.run.steps, "stop after this many steps of loading")
         ->type_name("N")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 40).description(""));
     run->add_option("--kernel", arguments.run.kernel,
                     "instruction set of the sweep: portable, avx2 or avx512 [the fastest here]; results are the same");
     auto* check = app.add_subcommand("check", "validate a scene; estimate grains, memory and work");

@@ -144,7 +144,9 @@ std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks) {
     fmt::format_to(out, "memory     {} in all, {} a rank on {}\n", bytes_text(e.memory), bytes_text(e.memory / ranks),
                    ranks);
     fmt::format_to(out, "work       {:.3g} relaxations in {:.0f} steps\n", e.relaxations, e.loading_steps);
-    fmt::format_to(out, "time       {} on 1 rank, {} on {} at {} ns per relaxation and rank\n",
+    fmt::format_to(out,
+                   "time       {} on 1 rank, {} on {} for the sweeps alone at {} ns per relaxation and rank; half as "
+                   "much again in all\n",
                    format_duration(e.seconds), format_duration(e.seconds / ranks), ranks, cost.ns_per_relaxation);
     fmt::format_to(out, "frames     {:.0f}, {}\n", e.frames, bytes_text(e.disk));
     return text;

@@ -1,14 +1,13 @@
 #include "commands/prepare.hpp"
 
-#include "core/deposit.hpp"
 #include "core/error.hpp"
+#include "core/initial_grains.hpp"
 #include "solver/observables.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <chrono>
-#include <numbers>
 
 namespace nappe {
 
@@ -26,32 +25,6 @@ std::string text_of(const std::vector<Vec<2>>& points) {
         text += fmt::format(" [{}, {}]", p[0], p[1]);
     }
     return text;
-}
-
-/// The grains before anything has moved: deposit, then single ones. Local, on the root.
-std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
-    std::vector<GrainRow<2>> rows;
-    if (scene.sample) {
-        const auto material = static_cast<std::size_t>(scene.sample->material);
-        rows = deposit(*scene.sample, scene.materials[material].density, scene.gravity);
-        for (auto& row : rows) {
-            row.material = scene.sample->material;
-        }
-    }
-    for (const auto& single : scene.grains) {
-        GrainRow<2> row;
-        row.id = static_cast<GlobalId>(rows.size());
-        row.x = {single.position[0], single.position[1]};
-        row.v = {single.velocity[0], single.velocity[1]};
-        row.spin = {single.spin[0]};
-        row.radius = single.radius;
-        row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi *
-                   single.radius * single.radius;
-        row.material = single.material;
-        row.layer = single.layer;
-        rows.push_back(row);
-    }
-    return rows;
 }
 
 struct SettleState {
@@ -123,10 +96,6 @@ SampleOrigin sample_origin(const Scene<2>& scene) {
     }
     for (const auto& w : scene.walls) {
         text += fmt::format("wall {}{}", w.material, text_of(w.points));
-        if (w.motion && w.motion->stage >= 0 && scene.stages[static_cast<std::size_t>(w.motion->stage)].until) {
-            text += fmt::format(" moves [{}, {}] from stage {}", w.motion->velocity[0], w.motion->velocity[1],
-                                w.motion->stage);
-        }
         text += "\n";
     }
     for (const auto& stage : scene.stages) {

@@ -6,29 +6,41 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <span>
 
 namespace nappe {
 
-Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folder)
-    : simulation_(simulation), folder_(folder), index_(folder, 2) {
-    const auto& comm = simulation.comm();
+void Recorder::claim(const Communicator& comm, const std::filesystem::path& folder,
+                     const std::filesystem::path& samples) {
     std::string error;
     if (comm.is_root()) {
-        for (const auto* part : {"frames", "series"}) {
-            std::error_code code;
-            std::filesystem::create_directories(folder / part, code);
-            if (code) {
-                error = fmt::format("{}: can not be made ({}); choose another --out folder", (folder / part).string(),
-                                    code.message());
+        std::error_code code;
+        for (const auto& part : {folder / "frames", folder / "series", samples}) {
+            std::filesystem::create_directories(part, code);
+            if (error.empty() && (code || ::access(part.c_str(), W_OK) != 0)) {
+                error = fmt::format(
+                    "{}: must be a folder that can be written, found: {}; choose another --out or --samples",
+                    part.string(), code ? code.message() : std::strerror(errno));
             }
+        }
+        for (const auto* file : {"summary.json", "run.xdmf", "contacts.xdmf"}) {
+            std::filesystem::remove(folder / file, code);
         }
     }
     comm.throw_together<SystemError>(error);
+}
+
+Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folder)
+    : simulation_(simulation), folder_(folder), index_(folder, 2) {
+    const auto& comm = simulation.comm();
     if (comm.is_root()) {
         const auto path = [&](const std::string& name) { return folder / "series" / (name + ".csv"); };
         for (const auto& cell : simulation.scene().output.cells) {

@@ -16,7 +16,13 @@ namespace nappe {
 
 class Recorder {
 public:
-    /// **Collective.** Makes the folders. Throws SystemError.
+    /// **Collective.** Makes the folders, so that a place that can not be written is known before anything is computed;
+    /// takes away what would pass for this run's until it is finished: summary and indices of an older one. Throws
+    /// SystemError.
+    static void claim(const Communicator& comm, const std::filesystem::path& folder,
+                      const std::filesystem::path& samples);
+
+    /// **Collective.** Pre: claim. Throws SystemError.
     Recorder(Simulation<2>& simulation, const std::filesystem::path& folder);
 
     /// **Collective.** When loading starts: remembers what cells and the bed look like, writes the first row of every

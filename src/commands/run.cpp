@@ -124,6 +124,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     const auto scene = shared_scene(comm, options);
     const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
     catch_signals();
+    Recorder::claim(comm, options.out, options.samples);
     Progress progress(Progress::for_rank(comm.is_root()));
     Simulation<2> simulation(comm, scene, kernels);
     progress.info(fmt::format(
@@ -138,7 +139,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     try {
         preparation = prepare(simulation, options.samples, progress, signal_caught);
     } catch (const StoppedEarly&) {
-        progress.warning("stopped by a signal while preparing; nothing was written");
+        progress.warning("stopped by a signal while preparing; there are no results");
         return ExitCode::stopped_early;
     }
     simulation.watch().clear();
@@ -191,7 +192,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["message_bytes"] = bytes;
     json["overlap_mean"] = recorder.last_overlaps().mean;
     json["overlap_max"] = recorder.last_overlaps().largest;
-    json["overlap_max_of_run"] = recorder.largest_overlap();
+    json["overlap_max_of_rows"] = recorder.largest_overlap();
     json["residual"] = residual ? nlohmann::ordered_json(residual->largest) : nlohmann::ordered_json();
     json["bytes_per_grain"] = State<2>::bytes_per_grain();
     json["bytes_per_contact"] = simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate();

@@ -299,7 +299,9 @@ void Simulation<D>::rebuild() {
     const auto lap = watch_.lap(Timed::rebuild);
     for (int w = 0; w < walls_.n_walls(); ++w) {
         walls_.offset_ref[w] = walls_.offset[w];
-        walls_.margin[w] = std::max(0.5 * skin_, settings().h * scene_.tiles.lookahead * walls_.v[w].norm());
+        // Two steps at least, so that a list made for a wall lasts for the step that asked for it.
+        const double steps = std::max(2.0, scene_.tiles.lookahead);
+        walls_.margin[w] = std::max(0.5 * skin_, settings().h * steps * walls_.v[w].norm());
     }
     rebalance_if_due();
     auto impulses = waiting_.empty() ? impulse_rows(state_, candidates_) : std::move(waiting_);

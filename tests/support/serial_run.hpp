@@ -1,7 +1,7 @@
 #pragma once
 // A scene on one rank, stepped by a test. Needs an MpiSession: tests/mpi_main.cpp has it, so say RANKS 1 in CMakeLists.txt.
 
-#include "core/deposit.hpp"
+#include "core/initial_grains.hpp"
 #include "parallel/communicator.hpp"
 #include "solver/observables.hpp"
 #include "solver/simulation.hpp"
@@ -20,38 +20,13 @@ inline double disk_mass(double radius, double density = 2800) {
     return density * std::numbers::pi * radius * radius;
 }
 
-/// Rows of a scene's deposit, if it has one, then of its single grains.
-inline std::vector<GrainRow<2>> initial_rows(const Scene<2>& scene) {
-    std::vector<GrainRow<2>> rows;
-    if (scene.sample) {
-        rows = deposit(*scene.sample, scene.materials[static_cast<std::size_t>(scene.sample->material)].density,
-                       scene.gravity);
-        for (auto& row : rows) {
-            row.material = scene.sample->material;
-        }
-    }
-    for (const auto& g : scene.grains) {
-        GrainRow<2> row;
-        row.id = static_cast<GlobalId>(rows.size());
-        row.x = {g.position[0], g.position[1]};
-        row.v = {g.velocity[0], g.velocity[1]};
-        row.spin = {g.spin[0]};
-        row.radius = g.radius;
-        row.mass = disk_mass(g.radius, scene.materials[static_cast<std::size_t>(g.material)].density);
-        row.material = g.material;
-        row.layer = g.layer;
-        rows.push_back(row);
-    }
-    return rows;
-}
-
 /// Local, all of it: its communicator is MPI_COMM_SELF.
 class SerialRun {
 public:
     /// At the start of stage 0. @param kernel "portable", "avx2", "avx512"; nullptr: the fastest
     explicit SerialRun(const Scene<2>& scene, const char* kernel = nullptr)
         : comm_(MPI_COMM_SELF), simulation_(comm_, scene, disk_kernels(kernel)) {
-        simulation_.load(initial_rows(scene), {}, step_of(0));
+        simulation_.load(initial_grains(scene), {}, step_of(0));
         simulation_.start_stage(0);
     }
 

@@ -1,0 +1,34 @@
+#include "core/initial_grains.hpp"
+
+#include "core/deposit.hpp"
+
+#include <numbers>
+
+namespace nappe {
+
+std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
+    std::vector<GrainRow<2>> rows;
+    if (scene.sample) {
+        const auto material = static_cast<std::size_t>(scene.sample->material);
+        rows = deposit(*scene.sample, scene.materials[material].density, scene.gravity);
+        for (auto& row : rows) {
+            row.material = scene.sample->material;
+        }
+    }
+    for (const auto& single : scene.grains) {
+        GrainRow<2> row;
+        row.id = static_cast<GlobalId>(rows.size());
+        row.x = {single.position[0], single.position[1]};
+        row.v = {single.velocity[0], single.velocity[1]};
+        row.spin = {single.spin[0]};
+        row.radius = single.radius;
+        row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi *
+                   single.radius * single.radius;
+        row.material = single.material;
+        row.layer = single.layer;
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+} // namespace nappe
