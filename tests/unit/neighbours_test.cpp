@@ -116,7 +116,10 @@ TEST(Neighbours, AreAllThePairsThereAre) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         Walls<2> features(walls);
         features.margin = {0.2, 0.05};
-        const auto grains = random_grains(seed == 5 ? 12 : 400, 8.0, seed);
+        auto grains = random_grains(seed == 5 ? 12 : 400, 8.0, seed);
+        for (auto& g : grains) { // seed 4: still tiles beside tiles where grains move, which reach into them
+            g.margin *= seed == 4 && TileGrid<2>::unpack(grid.key(position(g)))[0] % 2 == 0 ? 0.01 : 1.0;
+        }
         for (const bool alone : {true, false}) { // with ghosts: every third column of tiles is another rank's
             const auto state = state_of(grains, grid, features.n_bodies(), [&](TileKey key) {
                 return alone || (TileGrid<2>::unpack(key)[0] + 300) % 3 != 0;
@@ -128,40 +131,10 @@ TEST(Neighbours, AreAllThePairsThereAre) {
             EXPECT_EQ(unique.size(), found.size()) << "a pair twice";
             EXPECT_EQ(unique, all_pairs(state, walls, features.margin)) << "seed " << seed;
             if (seed < 5) {
-                EXPECT_GT(found.size(), 1000u) << "the case is dense enough to mean something";
+                EXPECT_GT(found.size(), 500u) << "the case is dense enough to mean something";
             }
         }
     }
-}
-
-TEST(Neighbours, CanonicalOrder) {
-    const TileGrid<2> grid({0, 0}, side);
-    Walls<2> walls(some_walls());
-    const auto state = state_of(random_grains(500, 8, 9), grid, walls.n_bodies(), [](TileKey) { return true; });
-    const auto set = find_candidates(state, grid, walls, {});
-    std::int32_t next = 0, next_class = 0;
-    for (std::size_t t = 0; t < set.tiles.size(); ++t) {
-        const Tile& tile = set.tiles[t];
-        EXPECT_TRUE(t == 0 || set.tiles[t - 1].key < tile.key);
-        EXPECT_EQ(tile.colour, TileGrid<2>::colour(tile.key));
-        EXPECT_EQ(tile.candidates_begin, next);
-        EXPECT_EQ(tile.classes_begin, next_class);
-        next_class = tile.classes_end;
-        for (auto k = tile.classes_begin; k < tile.classes_end; ++k) {
-            EXPECT_EQ(set.class_begin[static_cast<std::size_t>(k)], next) << "classes leave no hole";
-            Pair last{-1, -1};
-            for (; next < set.class_end(tile, k); ++next) {
-                const Pair name{state.id[set.a[next]], partner_key(state, set.b[next])};
-                EXPECT_LT(last, name) << "by key in a class";
-                EXPECT_LT(name.first, name.second);
-                EXPECT_EQ(grid.key(state.x_ref[set.a[next]]), tile.key)
-                    << "a contact belongs to its lower grain's tile";
-                last = name;
-            }
-        }
-        EXPECT_EQ(tile.candidates_end, next);
-    }
-    EXPECT_EQ(next, set.size());
 }
 
 /// First fit, told naively: the least class in which neither grain has been seen.
@@ -180,6 +153,58 @@ std::vector<std::int32_t> first_fit(const std::vector<LocalId>& a, const std::ve
         colour.push_back(k);
     }
     return colour;
+}
+
+/// Class of each candidate of a tile, found again: all of them by key, then first fit.
+std::map<Pair, std::int32_t> expected_classes(const State<2>& state, const CandidateSet<2>& set, const Tile& tile) {
+    std::map<Pair, std::pair<LocalId, LocalId>> by_key;
+    for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
+        by_key[{state.id[set.a[c]], partner_key(state, set.b[c])}] = {set.a[c], set.b[c]};
+    }
+    std::vector<LocalId> a, b;
+    for (const auto& [name, bodies] : by_key) {
+        a.push_back(bodies.first);
+        b.push_back(bodies.second);
+    }
+    const auto colour = first_fit(a, b, state.n_held());
+    std::map<Pair, std::int32_t> classes;
+    for (const auto& [name, bodies] : by_key) {
+        const auto k = classes.size();
+        classes[name] = colour[k];
+    }
+    return classes;
+}
+
+TEST(Neighbours, CanonicalOrder) {
+    const TileGrid<2> grid({0, 0}, side);
+    Walls<2> walls(some_walls());
+    const auto state = state_of(random_grains(500, 8, 9), grid, walls.n_bodies(), [](TileKey) { return true; });
+    const auto set = find_candidates(state, grid, walls, {});
+    std::int32_t next = 0, next_class = 0;
+    for (std::size_t t = 0; t < set.tiles.size(); ++t) {
+        const Tile& tile = set.tiles[t];
+        EXPECT_TRUE(t == 0 || set.tiles[t - 1].key < tile.key);
+        EXPECT_EQ(tile.colour, TileGrid<2>::colour(tile.key));
+        EXPECT_EQ(tile.candidates_begin, next);
+        EXPECT_EQ(tile.classes_begin, next_class);
+        next_class = tile.classes_end;
+        const auto expected = expected_classes(state, set, tile);
+        for (auto k = tile.classes_begin; k < tile.classes_end; ++k) {
+            EXPECT_EQ(set.class_begin[static_cast<std::size_t>(k)], next) << "classes leave no hole";
+            Pair last{-1, -1};
+            for (; next < set.class_end(tile, k); ++next) {
+                const Pair name{state.id[set.a[next]], partner_key(state, set.b[next])};
+                EXPECT_LT(last, name) << "by key in a class";
+                EXPECT_EQ(k - tile.classes_begin, expected.at(name));
+                EXPECT_LT(name.first, name.second);
+                EXPECT_EQ(grid.key(state.x_ref[set.a[next]]), tile.key)
+                    << "a contact belongs to its lower grain's tile";
+                last = name;
+            }
+        }
+        EXPECT_EQ(tile.candidates_end, next);
+    }
+    EXPECT_EQ(next, set.size());
 }
 
 TEST(Neighbours, ClassesAreFirstFitAndShareNoGrain) {
