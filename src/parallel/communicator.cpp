@@ -16,6 +16,9 @@ constexpr std::size_t piece = std::size_t{1} << 30;
 } // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv) {
+    // Open MPI keeps a helper file in TMPDIR for every file that ranks open together, and dies or hangs where that is
+    // full. nappe uses no shared file pointers, so the helper is never needed; a value set by the user stands.
+    setenv("OMPI_MCA_sharedfp", "individual", 0);
     MPI_Init(&argc, &argv);
 }
 
