@@ -25,14 +25,17 @@ void Recorder::claim(const Communicator& comm, const std::filesystem::path& fold
         std::error_code code;
         for (const auto& part : {folder / "frames", folder / "series", samples}) {
             std::filesystem::create_directories(part, code);
-            if (error.empty() && (code || ::access(part.c_str(), W_OK) != 0)) {
+            if (code || ::access(part.c_str(), W_OK) != 0) {
                 error = fmt::format(
                     "{}: must be a folder that can be written, found: {}; choose another --out or --samples",
                     part.string(), code ? code.message() : std::strerror(errno));
+                break;
             }
         }
         for (const auto* file : {"summary.json", "run.xdmf", "contacts.xdmf"}) {
-            std::filesystem::remove(folder / file, code);
+            if (error.empty()) {
+                std::filesystem::remove(folder / file, code);
+            }
         }
     }
     comm.throw_together<SystemError>(error);

@@ -110,9 +110,10 @@ class Failures(NappeTest):
         (self.folder / "file").write_text("not a folder")
         for ranks in (0, 2):
             with self.subTest(ranks=ranks):
-                run = self.run_scene(THROWN, ranks=ranks, out="file/out", code=OTHER)
+                run = self.run_scene(FOLD, ranks=ranks, out="file/out", code=OTHER)
                 self.assertEqual(len(run.result.errors), 1, run.result.err)
                 self.assertIn("file/out", run.result.errors[0])
+                self.assertFalse((self.folder / "samples").exists(), "found out only after the work of settling")
         self.assertEqual((self.folder / "file").read_text(), "not a folder")
 
     def test_sample_folder_that_can_not_be_made_is_code_1(self):
@@ -157,10 +158,15 @@ class Stops(NappeTest):
                 self.assertEqual([f for f in run.files() if ".part-" in f], [])
 
     def test_stop_while_preparing_writes_nothing(self):
+        # So many sweeps that a step takes about a tenth of a second: even a grain's last motion (it does come to rest, to
+        # the last bit) is then minutes away when the signal comes.
         until = "{ kinetic = 1e-30, residual = 1e-30 }"
         begun = time.monotonic()
         result = self.stop(
-            signal.SIGUSR1, 2, *sets(stages__settle__until=until), when=lambda: time.monotonic() > begun + 4
+            signal.SIGUSR1,
+            2,
+            *sets(stages__settle__until=until, solver__sweeps=20000),
+            when=lambda: time.monotonic() > begun + 4,
         )
         self.assertEqual(result.code, STOPPED, str(result))
         self.assertEqual([p for p in self.folder.rglob("*") if p.is_file()], [])
