@@ -45,7 +45,8 @@ class Files(NappeTest):
     def test_names(self):
         series = ["cell-W1", "cell-W2", "energy", "front", "solver", "wall-floor", "wall-piston", "wall-right"]
         frames = [f"frames/frame-{step:08}.hdf" for step in (0, 30, 60)]
-        self.assertEqual(self.fold.files(), sorted(["contacts.xdmf", "run.xdmf", "summary.json", *frames, *(f"series/{s}.csv" for s in series)]))
+        others = ["contacts.xdmf", "run.xdmf", "summary.json"]
+        self.assertEqual(self.fold.files(), sorted([*others, *frames, *(f"series/{s}.csv" for s in series)]))
 
     def test_summary_has_what_scripts_rely_on(self):
         summary = self.fold.summary
@@ -74,7 +75,8 @@ class Files(NappeTest):
     def documented(self, section, file=None):
         """Names in backticks in a table of docs/output.md: of the row of a file, or of the first column."""
         text = (pathlib.Path(__file__).parents[2] / "docs/output.md").read_text()
-        rows = [line.split("|") for line in text.split(f"## {section}\n")[1].split("\n## ")[0].splitlines() if "|" in line]
+        lines = text.split(f"## {section}\n")[1].split("\n## ")[0].splitlines()
+        rows = [line.split("|") for line in lines if "|" in line]
         cells = [row[2] for row in rows if f"`{file}`" in row[1]] if file else [row[1] for row in rows]
         return re.findall("`([^`]+)`", " ".join(cells))
 
@@ -156,7 +158,8 @@ class Files(NappeTest):
                 self.assert_near([row["fx"], row["fy"]], force, f"{name} at step {step}", digits=9)
             mass = frame["VTKHDF/PointData/mass"][()].sum()
             if step == 0:
-                self.assertAlmostEqual(self.row("wall-floor", 0)["fy"] / (-9.81 * mass), 1, delta=0.1)  # settled loosely
+                # Settled loosely.
+                self.assertAlmostEqual(self.row("wall-floor", 0)["fy"] / (-9.81 * mass), 1, delta=0.1)
 
     def test_energies_overlaps_and_loads_of_grains(self):
         for step, frame in self.frames():

@@ -1,5 +1,5 @@
-"""Folders build on each other one way only: core <- parallel <- solver <- commands, main; core, parallel <- io. And MPI is
-named in src/parallel alone (src/io hands a communicator to HDF5). Usage: layers_test.py SOURCE_FOLDER"""
+"""Folders build on each other one way only: core <- parallel <- solver <- commands, main; core, parallel <- io. And MPI
+is named in src/parallel alone (src/io hands a communicator to HDF5). Usage: layers_test.py SOURCE_FOLDER"""
 
 import pathlib
 import re
@@ -73,9 +73,8 @@ class Layers(unittest.TestCase):
                 path.parent.mkdir(exist_ok=True)
                 path.write_text(text)
             found = breaches(pathlib.Path(folder))
-        self.assertEqual(
-            [f.split(":")[0] for f in found], ["core/a.hpp", "extras/e.cpp", "io/d.cpp", "io/d.cpp", "parallel/b.cpp", "solver/c.cpp"]
-        )
+        files = ["core/a.hpp", "extras/e.cpp", "io/d.cpp", "io/d.cpp", "parallel/b.cpp", "solver/c.cpp"]
+        self.assertEqual([f.split(":")[0] for f in found], files)
 
 
 if __name__ == "__main__":

@@ -165,7 +165,8 @@ TEST(Domain, GhostsAreTheGrainsInReachOfOwnTilesAndNoOthers) {
         for (const auto& g : spread.all) {
             const auto x = test::position(g);
             const double range = g.radius + g.margin + widest;
-            if (directory.owner(grid.key(x)) != world.rank() && std::any_of(tiles.begin(), tiles.end(), [&](TileKey key) {
+            if (directory.owner(grid.key(x)) != world.rank() &&
+                std::any_of(tiles.begin(), tiles.end(), [&](TileKey key) {
                     return directory.owner(key) == world.rank() && grid.distance(x, key) <= range;
                 })) {
                 wanted.insert(g.id);
@@ -175,7 +176,8 @@ TEST(Domain, GhostsAreTheGrainsInReachOfOwnTilesAndNoOthers) {
         EXPECT_EQ(found.size(), static_cast<std::size_t>(spread.state.n_held() - spread.state.n_own)) << "held twice";
         EXPECT_EQ(found, wanted) << "round " << round;
         for (LocalId i = spread.state.n_own; i < spread.state.n_held(); ++i) {
-            EXPECT_TRUE(test::same_bits(spread.state.record(i), spread.all[static_cast<std::size_t>(spread.state.id[i])]));
+            EXPECT_TRUE(
+                test::same_bits(spread.state.record(i), spread.all[static_cast<std::size_t>(spread.state.id[i])]));
         }
         spread.move_all(5.0, static_cast<std::uint64_t>(round));
     }
@@ -236,17 +238,20 @@ void expect_noticed(const Communicator& world, Tamper&& tamper, const std::strin
 
 TEST(Domain, NoticesALostGrain) {
     const Communicator world;
-    expect_noticed(world, [](auto& own) { own.pop_back(); }, "299 of 300");
+    expect_noticed(
+        world, [](auto& own) { own.pop_back(); }, "299 of 300");
 }
 
 TEST(Domain, NoticesADoubledGrain) {
     const Communicator world;
-    expect_noticed(world, [](auto& own) { own.push_back(own.front()); }, "301 of 300");
+    expect_noticed(
+        world, [](auto& own) { own.push_back(own.front()); }, "301 of 300");
 }
 
 TEST(Domain, NoticesThatOneGrainTookTheNameOfAnother) {
     const Communicator world;
-    expect_noticed(world, [](auto& own) { own.front().id = own.back().id; }, "ids changed");
+    expect_noticed(
+        world, [](auto& own) { own.front().id = own.back().id; }, "ids changed");
 }
 
 TEST(Domain, NoticesThatTwoGrainsSwappedOneForTwoNames) {
@@ -264,7 +269,8 @@ TEST(Domain, NoticesThatTwoGrainsSwappedOneForTwoNames) {
 TEST(Domain, NoticesAChangedMass) {
     const Communicator world;
     // By the least that shows in the total of 300 grains.
-    expect_noticed(world, [](auto& own) { own.front().mass *= 1 + 1e-12; }, "ids complete");
+    expect_noticed(
+        world, [](auto& own) { own.front().mass *= 1 + 1e-12; }, "ids complete");
 }
 
 TEST(Domain, GrainOutOfTheWorldIsTheSameErrorOnAllRanks) {

@@ -55,7 +55,8 @@ TEST_P(HaloOf, NoTwoTilesOfAColourTouchTheSameGrain) {
         const auto& p = truth.touches[k - 1];
         const auto& q = truth.touches[k];
         EXPECT_FALSE(p.colour == q.colour && p.grain == q.grain)
-            << "grain " << p.grain << " is touched by tiles " << p.tile << " and " << q.tile << " of colour " << p.colour;
+            << "grain " << p.grain << " is touched by tiles " << p.tile << " and " << q.tile << " of colour "
+            << p.colour;
     }
 }
 
@@ -97,7 +98,8 @@ TEST_P(HaloOf, CopiesAreEqualAfterEachColour) {
                     for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
                         for (const LocalId i : {haloed.candidates.a[c], haloed.candidates.b[c]}) {
                             if (i < state.n_held()) {
-                                state.u[i].v = {value(state.id[i], pass, colour, 0), value(state.id[i], pass, colour, 1)};
+                                state.u[i].v = {value(state.id[i], pass, colour, 0),
+                                                value(state.id[i], pass, colour, 1)};
                                 state.u[i].s = {value(state.id[i], pass, colour, 2)};
                             }
                         }

@@ -1,5 +1,5 @@
-"""The same bits on any number of ranks, through the whole program: state hash, series, frames (but for the owning rank) and
-stored samples of small scenes, with tiles changing hands all the time."""
+"""The same bits on any number of ranks, through the whole program: state hash, series, frames (but for the owning rank)
+and stored samples of small scenes, with tiles changing hands all the time."""
 
 import pathlib
 import sys
@@ -111,7 +111,8 @@ class SameBits(NappeTest):
                 if {"avx2": " avx2 ", "avx512": " avx512vl "}[kernel] not in file.read():
                     continue
             with self.subTest(kernel=kernel):
-                other = self.run_scene(FOLD, "--kernel", kernel, ranks=2, out=f"out-{kernel}", samples=f"samples-{kernel}")
+                folders = {"out": f"out-{kernel}", "samples": f"samples-{kernel}"}
+                other = self.run_scene(FOLD, "--kernel", kernel, ranks=2, **folders)
                 self.assertEqual(other.summary["kernel"], kernel)
                 self.assert_same(one, other)
 

@@ -12,7 +12,8 @@ namespace nappe {
 namespace {
 
 /// A layer of columns x rows tiles, each joined to the up to eight around it.
-TileGraph layer(std::int32_t columns, std::int32_t rows, std::int64_t (*weight)(std::int32_t column, std::int32_t row)) {
+TileGraph layer(std::int32_t columns, std::int32_t rows,
+                std::int64_t (*weight)(std::int32_t column, std::int32_t row)) {
     TileGraph graph;
     const auto vertex = [&](std::int32_t x, std::int32_t y) { return x * rows + y; };
     for (std::int32_t x = 0; x < columns; ++x) {
@@ -110,6 +111,14 @@ TEST(Partition, SmallGraphsThatMetisPutsInOnePart) {
             EXPECT_EQ(parts_used(part).size(), static_cast<std::size_t>(n)) << columns << " columns, " << n << " parts";
             EXPECT_LE(imbalance(graph, part, n), 1.5);
         }
+    }
+}
+
+TEST(Partition, OneHeavyTileAmongFewLeavesTheOthersToAnotherPart) {
+    for (const std::int32_t n_tiles : {3, 4, 5, 6, 7}) { // METIS puts four to seven of them in one part
+        auto graph = layer(n_tiles, 1, even);
+        graph.weight.front() *= 1000;
+        EXPECT_EQ(parts_used(partition(graph, 2)).size(), 2u) << n_tiles << " tiles";
     }
 }
 

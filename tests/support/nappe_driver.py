@@ -1,5 +1,6 @@
 """Runs the built program for tests written in Python, and reads what it leaves. A test file ends with main(), and ctest
-calls it as: TEST.py --nappe PATH --mpirun PATH [arguments of unittest]. Every run has a time limit: a hang is a failure."""
+calls it as: TEST.py --nappe PATH --mpirun PATH [arguments of unittest]. Every run has a time limit: a hang is a
+failure."""
 
 import argparse
 import csv
@@ -106,9 +107,8 @@ class NappeTest(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.class_folder))
 
     def run_scene(self, scene, *arguments, ranks=0, out="out", samples="samples", code=0):
-        result = call(
-            ["run", scene, "--out", self.folder / out, "--samples", self.folder / samples, *arguments], ranks, self.folder
-        )
+        folders = ["--out", self.folder / out, "--samples", self.folder / samples]
+        result = call(["run", scene, *folders, *arguments], ranks, self.folder)
         self.assertEqual(result.code, code, str(result))
         return Run(self.folder / out, result)
 
@@ -126,4 +126,5 @@ def main():
     parser.add_argument("--nappe", required=True)
     parser.add_argument("--mpirun", required=True)
     _, rest = parser.parse_known_args(namespace=paths)
+    paths.nappe, paths.mpirun = map(os.path.abspath, (paths.nappe, paths.mpirun))  # runs have other working directories
     unittest.main(module="__main__", argv=[sys.argv[0], *rest], verbosity=2)

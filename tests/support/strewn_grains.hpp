@@ -55,9 +55,12 @@ inline constexpr Layout layouts[] = {Layout::all_on_first, Layout::all_on_last, 
 
 inline int holder_before(Layout layout, GlobalId id, int n_ranks) {
     switch (layout) {
-    case Layout::all_on_first: return 0;
-    case Layout::all_on_last: return n_ranks - 1;
-    case Layout::scattered: break;
+    case Layout::all_on_first:
+        return 0;
+    case Layout::all_on_last:
+        return n_ranks - 1;
+    case Layout::scattered:
+        break;
     }
     return static_cast<int>(mix(static_cast<std::uint64_t>(id) + 17) % static_cast<std::uint64_t>(n_ranks));
 }
