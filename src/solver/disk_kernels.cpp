@@ -28,8 +28,8 @@ const DiskKernels& disk_kernels(const char* wanted) {
     if (asked(disk_kernels_portable)) {
         return disk_kernels_portable;
     }
-    throw InputError(std::string("NAPPE_KERNEL: must name an instruction set this machine has, found '") + wanted +
-                     "'; use portable, avx2 or avx512, or leave it unset for the fastest");
+    throw InputError(std::string("--kernel: must name an instruction set this machine has, found '") + wanted +
+                     "'; use portable, avx2 or avx512, or leave it out for the fastest");
 }
 
 } // namespace nappe

@@ -62,7 +62,7 @@ class CommandLine(NappeTest):
             (["run", FOLD, *sets(walls__ceiling__points="[[0, 0], [1, 1]]")], "ceiling"),
             (["run", FOLD, "--set", "solver.h"], "solver.h"),
             (["run", FOLD, *sets(tiles__side=1.0)], "tiles.side"),
-            (["run", FOLD, "--kernel", "abacus"], "abacus"),
+            (["run", FOLD, "--kernel", "abacus"], "--kernel: must name"),
             (["check", bad], "sample.radius.min"),
             (["check", FOLD, "--ranks", "0"], "--ranks"),
         ]
