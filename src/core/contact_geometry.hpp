@@ -1,5 +1,5 @@
 #pragma once
-// Where two bodies stand to each other at the positions State::x_mid and Walls::offset_mid: during a step the predicted
+// Where two bodies stand to each other at the positions State::mid and Walls::offset_mid: during a step the predicted
 // ones, between steps those at its end.
 
 #include "core/state.hpp"
@@ -22,13 +22,13 @@ template <int D>
 ContactGeometry<D> contact_geometry(const State<D>& state, const Walls<D>& walls, LocalId a, LocalId b) {
     ContactGeometry<D> g;
     if (b < state.n_held()) {
-        const Vec<D> d = state.x_mid[a] - state.x_mid[b];
+        const Vec<D> d = state.mid[a].position() - state.mid[b].position();
         const double distance = std::sqrt(d.squaredNorm());
         g.n = d / distance;
         g.gap = distance - (state.radius[a] + state.radius[b]);
         return g;
     }
-    const auto c = walls.contact(b - state.n_held(), state.x_mid[a], state.radius[a]);
+    const auto c = walls.contact(b - state.n_held(), state.mid[a].position(), state.radius[a]);
     g.applies = c.applies;
     g.through = c.through;
     g.n = c.n;

@@ -1,5 +1,7 @@
 #include "core/state.hpp"
 
+#include <limits>
+
 namespace nappe {
 
 template <int D>
@@ -10,7 +12,6 @@ void State<D>::assign(const std::vector<GrainRecord<D>>& own, const std::vector<
     n_own = static_cast<LocalId>(own.size());
     id.resize(n);
     x.resize(n);
-    x_mid.resize(n);
     x_ref.resize(n);
     margin.resize(n);
     rotation.resize(n);
@@ -18,6 +19,10 @@ void State<D>::assign(const std::vector<GrainRecord<D>>& own, const std::vector<
     mass.resize(n);
     cells.resize(n);
     layer.resize(n);
+    BodyPlace<D> nowhere;
+    nowhere.radius = std::numeric_limits<double>::quiet_NaN();
+    mid.assign(bodies, nowhere);
+    mid.back().radius = 0; // the null body touches itself at most
     u.assign(bodies, BodyVelocity<D>{});
     u_old.assign(bodies, BodyVelocity<D>{});
     material.assign(bodies, 0);
@@ -29,7 +34,7 @@ void State<D>::assign(const std::vector<GrainRecord<D>>& own, const std::vector<
             for (int d = 0; d < D; ++d) {
                 x[i][d] = g.x[d];
             }
-            x_mid[i] = x[i];
+            mid[i] = {g.x, g.radius};
             x_ref[i] = x[i];
             margin[i] = g.margin;
             u[i] = g.u;

@@ -22,6 +22,22 @@ struct alignas(32) BodyVelocity {
     double inv_m = 0;
 };
 
+/// Where a body stands when contacts are detected, and its radius: one 256-bit load in the plane. Bodies of walls have
+/// the radius NaN, so that no arithmetic on disks finds them near anything: walls have their own.
+template <int D>
+struct alignas(32) BodyPlace {
+    std::array<double, D> x{}; ///< [m]
+    double radius = 0;         ///< [m]
+
+    Vec<D> position() const {
+        Vec<D> v;
+        for (int d = 0; d < D; ++d) {
+            v[d] = x[d];
+        }
+        return v;
+    }
+};
+
 /// A grain as it travels between ranks, bit for bit. Trivially copyable.
 template <int D>
 struct GrainRecord {
@@ -37,13 +53,13 @@ struct GrainRecord {
     std::int32_t layer = 0;
 };
 
-/// Arrays over bodies; all grain arrays have n_held() rows, `u`, `u_old` and `material` have n_bodies().
+/// Arrays over bodies; all grain arrays have n_held() rows, `mid`, `u`, `u_old` and `material` have n_bodies().
 template <int D>
 struct State {
     LocalId n_own = 0;
     std::vector<GlobalId> id;
     std::vector<Vec<D>> x;              ///< position at the start of the step [m]
-    std::vector<Vec<D>> x_mid;          ///< predicted position, where contacts are detected [m]
+    std::vector<BodyPlace<D>> mid;      ///< predicted position, where contacts are detected
     std::vector<Vec<D>> x_ref;          ///< position at the last rebuild [m]
     std::vector<double> margin;         ///< how far a grain may go from x_ref before the lists are rebuilt [m]
     std::vector<BodyVelocity<D>> u;     ///< velocity, being solved for
@@ -81,9 +97,9 @@ struct State {
 
     /// Bytes of all arrays for one grain, a figure of the code, not of a run.
     static constexpr std::size_t bytes_per_grain() {
-        return sizeof(GlobalId) + 3 * sizeof(Vec<D>) + sizeof(double) + 2 * sizeof(BodyVelocity<D>) +
-               sizeof(std::array<double, n_spin<D>>) + 2 * sizeof(double) + sizeof(std::uint64_t) +
-               2 * sizeof(std::int32_t);
+        return sizeof(GlobalId) + 2 * sizeof(Vec<D>) + sizeof(BodyPlace<D>) + sizeof(double) +
+               2 * sizeof(BodyVelocity<D>) + sizeof(std::array<double, n_spin<D>>) + 2 * sizeof(double) +
+               sizeof(std::uint64_t) + 2 * sizeof(std::int32_t);
     }
 };
 

@@ -10,16 +10,16 @@ namespace nappe {
 /// order.
 inline constexpr int n_lanes = 8;
 
-/// One batch, 56 bytes a contact. n points from b to a. A null contact pads the last batch of a class: both bodies
-/// null, m_eff = 0. (Rejected: the normal as an angle or in single precision — the same cache lines and other bits;
-/// 1/W_tt beside 1/W_nn — for disks it is a third of it.)
+/// One batch, 56 bytes a contact. n points from b to a. A null contact pads a batch: both bodies null, m_eff = 0.
+/// (Rejected: the normal as an angle or in single precision — the same cache lines and other bits; 1/W_tt beside
+/// 1/W_nn — for disks it is a third of it.)
 struct alignas(64) DiskBatch {
-    double nx[n_lanes], ny[n_lanes];     ///< unit normal
-    double bias[n_lanes];                ///< b [m/s], docs/notation.md
-    double m_eff[n_lanes];               ///< 1/W_nn [kg]
-    double r_n[n_lanes];                 ///< normal impulse [N s]
-    double r_t[n_lanes];                 ///< tangential impulse [N s]
-    std::int32_t a[n_lanes], b[n_lanes]; ///< rows of bodies
+    double nx[n_lanes], ny[n_lanes];      ///< unit normal
+    double bias[n_lanes];                 ///< b [m/s], docs/notation.md
+    double m_eff[n_lanes];                ///< 1/W_nn [kg]
+    double r_n[n_lanes];                  ///< normal impulse [N s]
+    double r_t[n_lanes];                  ///< tangential impulse [N s]
+    std::uint32_t a[n_lanes], b[n_lanes]; ///< bodies: 4 x row, the first of a body's four doubles in `u` and `mid`
 };
 
 /// Friction coefficients of a batch, kept only by scenes whose laws differ in it.
@@ -27,17 +27,39 @@ struct alignas(64) FrictionBatch {
     double mu[n_lanes];
 };
 
-/// The kernels of one instruction set. `u` is the array of BodyVelocity<2>: four doubles v_x, v_y, s, 1/m a body.
-/// `mixed` is nullptr where one `mu` holds for all.
+/// Where eight pairs of disks stand; of a pair with a wall, size and gap are NaN.
+struct alignas(64) GapBatch {
+    double nx[n_lanes], ny[n_lanes]; ///< unit normal from b to a
+    double gap[n_lanes];             ///< [m]
+    double size[n_lanes];            ///< r_a + r_b [m]
+    double v[n_lanes];               ///< normal relative velocity at `u`, positive: opening [m/s]
+    double v_old[n_lanes];           ///< at `u_old`
+};
+
+/// What the kernels read of bodies: four doubles a body in each array, see BodyVelocity<2> and BodyPlace<2>.
+struct BodyArrays {
+    const double* mid;
+    const double* u;
+    const double* u_old;
+};
+
+/// The kernels of one instruction set.
 struct DiskKernels {
     const char* name;
-    /// One Gauss–Seidel pass over n batches, in order.
+    /// One Gauss–Seidel pass over n batches, in order. `mixed` is nullptr where one `mu` holds for all.
     void (*relax)(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u);
     /// Adds the effect of the impulses that the batches hold to the velocities: a warm start.
     void (*apply)(const DiskBatch* batches, std::int64_t n, double* u);
+    /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Returns whether any
+    /// contact of disks would sleep (see `sleeps`). Lanes of walls get NaN.
+    bool (*refresh)(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h);
+    /// Pairs which[0] … which[n-1] of the lists a and b (rows); `which` nullptr: the first n. Writes (n + 7) / 8
+    /// batches; lanes past n repeat the last pair.
+    void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,
+                 const BodyArrays& bodies, GapBatch* out);
 };
 
-/// The fastest set this processor has, or the one named in `wanted` ("portable", "avx2", "avx512").
+/// The fastest set this processor has, or the one named in `wanted` ("scalar", "portable", "avx2", "avx512").
 /// Throws InputError if `wanted` is unknown or missing on this machine.
 const DiskKernels& disk_kernels(const char* wanted = nullptr);
 

@@ -10,11 +10,14 @@ namespace nappe {
 
 namespace {
 
+/// Room for contacts that come to act in a tile before the next rebuild.
+constexpr std::int64_t spare_batches = 2;
+
 double normal_speed(const Vec<2>& n, const BodyVelocity<2>& a, const BodyVelocity<2>& b) {
     return n[0] * (a.v[0] - b.v[0]) + n[1] * (a.v[1] - b.v[1]);
 }
 
-/// Detection positions go from x_mid - h v to x_mid from one step to the next.
+/// Detection positions go from mid - h v to mid from one step to the next.
 bool went_through(const State<2>& state, const Walls<2>& walls, const ContactGeometry<2>& g, LocalId a, LocalId b,
                   double h) {
     if (g.through || b < state.n_held()) {
@@ -22,13 +25,24 @@ bool went_through(const State<2>& state, const Walls<2>& walls, const ContactGeo
     }
     const auto& v_a = state.u_old[a].v;
     const auto& v_b = state.u_old[b].v;
-    return walls.crossed(b - state.n_held(), state.x_mid[a], h * Vec<2>(v_a[0] - v_b[0], v_a[1] - v_b[1]));
+    return walls.crossed(b - state.n_held(), state.mid[a].position(), h * Vec<2>(v_a[0] - v_b[0], v_a[1] - v_b[1]));
+}
+
+/// A gap that the pair will not close, not even at twice its present speed of approach.
+bool sleeps(double gap, double size, double v_free, double v_old, double h) {
+    const double slower = v_old < v_free ? v_old : v_free;
+    return gap > 0.01 * size + (slower < 0 ? -2 * h * slower : 0.0);
+}
+
+BodyArrays arrays(const State<2>& state) {
+    return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
 }
 
 /// Whether a or b is in the batch already; walls may be, they are never written.
 [[maybe_unused]] bool shares_grain(const DiskBatch& batch, LocalId a, LocalId b, LocalId n_grains) {
     for (int l = 0; l < n_lanes; ++l) {
-        for (const LocalId other : {batch.a[l], batch.b[l]}) {
+        for (const std::uint32_t index : {batch.a[l], batch.b[l]}) {
+            const auto other = static_cast<LocalId>(index / 4);
             if (other < n_grains && (other == a || other == b)) {
                 return true;
             }
@@ -39,174 +53,304 @@ bool went_through(const State<2>& state, const Walls<2>& walls, const ContactGeo
 
 } // namespace
 
-PairLaws::PairLaws(const Scene<2>& scene) : n_(static_cast<int>(scene.materials.size())) {
-    friction_.assign(static_cast<std::size_t>(n_ * n_), 0.0);
-    restitution_ = friction_;
-    for (std::size_t k = 0; k < scene.laws.size(); ++k) {
-        const auto& law = scene.laws[k];
-        for (const int at : {law.material_a * n_ + law.material_b, law.material_b * n_ + law.material_a}) {
-            friction_[static_cast<std::size_t>(at)] = law.friction;
-            restitution_[static_cast<std::size_t>(at)] = law.restitution;
-        }
-        any_restitution = any_restitution || law.restitution > 0;
-        uniform = uniform && law.friction == scene.laws.front().friction;
-    }
-    uniform_friction = scene.laws.empty() ? 0.0 : scene.laws.front().friction;
-}
-
-PackFaults DiskContacts::pack(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h,
+PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
                               bool activate_all) {
+    const Step step{state, candidates, walls, h, activate_all, arrays(state)};
     PackFaults faults;
-    batches_.clear();
-    friction_.clear();
-    source_.clear();
-    ranges_.clear();
-    left_out_.clear();
-    n_active_ = 0;
-
-    DiskBatch null{};
-    std::fill(std::begin(null.nx), std::end(null.nx), 1.0);
-    std::fill(std::begin(null.a), std::end(null.a), state.null_body());
-    std::fill(std::begin(null.b), std::end(null.b), state.null_body());
-
-    for (const auto& tile : candidates.tiles) {
-        Range range;
-        range.begin = static_cast<std::int64_t>(batches_.size());
-        for (auto k = tile.classes_begin; k < tile.classes_end; ++k) {
-            int lane = n_lanes; // a class starts a batch of its own: batches share no grain
-            for (auto c = candidates.class_begin[k]; c < candidates.class_end(tile, k); ++c) {
-                const LocalId a = candidates.a[c], b = candidates.b[c];
-                const auto g = contact_geometry(state, walls, a, b);
-                if (went_through(state, walls, g, a, b, h) && state.id[a] < faults.through_wall) {
-                    faults.through_wall = state.id[a];
-                    faults.wall = walls.feature(b - state.n_held()).wall;
-                }
-                if (!g.applies) {
-                    continue;
-                }
-                const double v_free = normal_speed(g.n, state.u[a], state.u[b]);
-                double bias = g.gap > 0 ? g.gap / h : 0.0;
-                if (laws_.any_restitution && laws_.restitution(state.material[a], state.material[b]) > 0) {
-                    // Newton's law needs the approach that free flight brings; a gap bias would take it away a step
-                    // early.
-                    if (g.gap > 0 && g.gap + h * v_free > 0) {
-                        continue;
-                    }
-                    const double v_old = normal_speed(g.n, state.u_old[a], state.u_old[b]);
-                    bias = laws_.restitution(state.material[a], state.material[b]) * (v_old < 0 ? v_old : 0.0);
-                } else if (!activate_all && g.gap > 0) {
-                    const double v_old = normal_speed(g.n, state.u_old[a], state.u_old[b]);
-                    const double slower = v_old < v_free ? v_old : v_free;
-                    const double size = state.radius[a] + (b < state.n_held() ? state.radius[b] : state.radius[a]);
-                    if (g.gap > 0.01 * size + (slower < 0 ? -2 * h * slower : 0.0)) {
-                        left_out_.push_back(c);
-                        continue;
-                    }
-                }
-                if (lane == n_lanes) {
-                    batches_.push_back(null);
-                    source_.insert(source_.end(), n_lanes, -1);
-                    if (!laws_.uniform) {
-                        friction_.push_back({});
-                    }
-                    lane = 0;
-                }
-                DiskBatch& batch = batches_.back();
-                NAPPE_ASSERT(!shares_grain(batch, a, b, state.n_held()),
-                             "a batch holds grain " + std::to_string(state.id[a]) + " or its partner twice");
-                batch.nx[lane] = g.n[0];
-                batch.ny[lane] = g.n[1];
-                batch.bias[lane] = bias;
-                batch.m_eff[lane] = 1.0 / (state.u[a].inv_m + state.u[b].inv_m);
-                batch.r_n[lane] = candidates.r[c].n;
-                batch.r_t[lane] = candidates.r[c].t[0];
-                batch.a[lane] = a;
-                batch.b[lane] = b;
-                if (!laws_.uniform) {
-                    friction_.back().mu[lane] = laws_.friction(state.material[a], state.material[b]);
-                }
-                source_[source_.size() - static_cast<std::size_t>(n_lanes - lane)] = c;
-                ++lane;
-                ++range.active;
-            }
+    // Laws that look at approach velocities have every tile packed anew.
+    const bool may_stay = !activate_all && !laws_.any_restitution;
+    for (std::size_t t = 0; t < ranges_.size() && !fresh_; ++t) {
+        if (may_stay && refresh_tile(t, step, faults)) {
+            continue;
         }
-        range.end = static_cast<std::int64_t>(batches_.size());
-        n_active_ += range.active;
-        ranges_.push_back(range);
+        store_tile(t, candidates);
+        n_active_ -= ranges_[t].active;
+        if (!pack_tile(t, step, faults)) { // no room: all tiles move, with the impulses they have
+            ranges_[t].n = 0;
+            store_tiles_but(t, candidates);
+            fresh_ = true;
+            break;
+        }
+        n_active_ += ranges_[t].active;
+    }
+    if (fresh_) {
+        lay_out(step);
+        faults = {};
+        for (std::size_t t = 0; t < ranges_.size(); ++t) {
+            ranges_[t].begin = static_cast<std::int64_t>(batches_.size());
+            pack_tile(t, step, faults);
+            n_active_ += ranges_[t].active;
+            grow(ranges_[t], spare_batches);
+        }
+        fresh_ = false;
     }
     return faults;
 }
 
+/// An empty storage for these candidates, and their pairs with walls.
+void DiskContacts::lay_out(const Step& step) {
+    const auto& candidates = step.candidates;
+    const auto n_tiles = candidates.tiles.size();
+    const auto most = static_cast<std::size_t>(candidates.size()) / n_lanes + (3 + spare_batches) * n_tiles;
+    batches_.clear();
+    batches_.reserve(most); // address space: what is not used is never touched
+    source_.clear();
+    source_.reserve(most * n_lanes);
+    friction_.clear();
+    walls_.clear();
+    asleep_.resize(static_cast<std::size_t>(candidates.size()));
+    ranges_.assign(n_tiles, {});
+    last_.assign(static_cast<std::size_t>(step.state.n_held()), 0);
+    n_packed_ = 1;
+    n_active_ = 0;
+    for (std::size_t t = 0; t < n_tiles; ++t) {
+        ranges_[t].walls_begin = static_cast<std::int32_t>(walls_.size());
+        for (auto c = candidates.tiles[t].candidates_begin; c < candidates.tiles[t].candidates_end; ++c) {
+            if (candidates.b[c] >= step.state.n_held()) {
+                walls_.push_back({c, false, -1});
+            }
+        }
+        ranges_[t].n_walls = static_cast<std::int32_t>(walls_.size()) - ranges_[t].walls_begin;
+    }
+}
+
+/// Normals and biases of a tile whose active contacts are the same; false: they are not.
+bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& faults) {
+    const Range& range = ranges_[tile];
+    if (any_wakes(tile, step) || kernels_.refresh(batches_.data() + range.begin, range.n, step.bodies, step.h)) {
+        return false;
+    }
+    for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
+        WallPair& pair = walls_[static_cast<std::size_t>(w)];
+        const auto found =
+            judge_wall(step, step.candidates.a[pair.candidate], step.candidates.b[pair.candidate], faults);
+        if ((found.decision == Decision::act) != (pair.slot >= 0)) {
+            return false;
+        }
+        pair.asleep = found.decision == Decision::sleep;
+        if (pair.slot >= 0) {
+            DiskBatch& batch = batches_[static_cast<std::size_t>(pair.slot / n_lanes)];
+            const auto l = pair.slot % n_lanes;
+            batch.nx[l] = found.n[0];
+            batch.ny[l] = found.n[1];
+            batch.bias[l] = found.bias;
+        }
+    }
+    return true;
+}
+
+/// Packs a tile's active contacts into its batches, the last tile of the storage into as many as it needs; false: there
+/// is no room.
+bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& faults) {
+    const auto& of = step.candidates.tiles[tile];
+    const std::int32_t n = of.candidates_end - of.candidates_begin;
+    measure(nullptr, n, step.candidates, of.candidates_begin, step.bodies);
+    Range& range = ranges_[tile];
+    range.n = range.active = 0;
+    range.asleep = 0;
+    filled_.clear();
+    first_open_ = 0;
+    if (n_packed_ > std::numeric_limits<std::int32_t>::max() / 2) {
+        std::fill(last_.begin(), last_.end(), 0);
+        n_packed_ = 1;
+    }
+    auto wall = static_cast<std::size_t>(range.walls_begin);
+    for (std::int32_t k = 0; k < n; ++k) {
+        const std::int32_t c = of.candidates_begin + k;
+        const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
+        const bool of_wall = b >= step.state.n_held();
+        const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
+        const int l = k % n_lanes;
+        const Found found = of_wall
+                                ? judge_wall(step, a, b, faults)
+                                : judge(step, a, b, Vec<2>(g.nx[l], g.ny[l]), g.gap[l], g.size[l], g.v[l], g.v_old[l]);
+        std::int64_t slot = -1;
+        if (found.decision == Decision::act) {
+            slot = place(range, step, c, found);
+            if (slot < 0) {
+                return false;
+            }
+        }
+        const bool sleeps = found.decision == Decision::sleep;
+        if (of_wall) {
+            walls_[wall++] = {c, sleeps, slot};
+        } else if (sleeps) {
+            asleep_[static_cast<std::size_t>(of.candidates_begin + range.asleep++)] = c;
+        }
+    }
+    n_packed_ += static_cast<std::int32_t>(range.n);
+    return true;
+}
+
+/// Fills gaps_ for n candidates: those in `which`, or those from `from` on.
+void DiskContacts::measure(const std::int32_t* which, std::int32_t n, const CandidateSet<2>& candidates,
+                           std::int32_t from, const BodyArrays& bodies) {
+    const auto n_batches = (static_cast<std::size_t>(n) + n_lanes - 1) / n_lanes;
+    if (gaps_.size() < n_batches) {
+        gaps_.resize(n_batches);
+    }
+    kernels_.gaps(which, n, candidates.a.data() + from, candidates.b.data() + from, bodies, gaps_.data());
+}
+
+bool DiskContacts::any_wakes(std::size_t tile, const Step& step) {
+    const std::int32_t n = ranges_[tile].asleep;
+    const std::int32_t* which = asleep_.data() + step.candidates.tiles[tile].candidates_begin;
+    measure(which, n, step.candidates, 0, step.bodies);
+    for (std::int32_t k = 0; k < n; ++k) {
+        const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
+        const int l = k % n_lanes;
+        if (!sleeps(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.h)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+DiskContacts::Found DiskContacts::judge(const Step& step, LocalId a, LocalId b, const Vec<2>& n, double gap,
+                                        double size, double v_free, double v_old) const {
+    Found found{Decision::act, n, gap > 0 ? gap / step.h : 0.0};
+    if (laws_.any_restitution) {
+        const double e = laws_.restitution(step.state.material[a], step.state.material[b]);
+        if (e > 0) {
+            // Newton's law needs the approach that free flight brings; a gap bias would take it away a step early.
+            if (gap > 0 && gap + step.h * v_free > 0) {
+                found.decision = Decision::ignore;
+            }
+            found.bias = e * (v_old < 0 ? v_old : 0.0);
+            return found;
+        }
+    }
+    if (!step.activate_all && sleeps(gap, size, v_free, v_old, step.h)) {
+        found.decision = Decision::sleep;
+    }
+    return found;
+}
+
+DiskContacts::Found DiskContacts::judge_wall(const Step& step, LocalId a, LocalId b, PackFaults& faults) const {
+    const auto& state = step.state;
+    const auto g = contact_geometry(state, step.walls, a, b);
+    if (went_through(state, step.walls, g, a, b, step.h) && state.id[a] < faults.through_wall) {
+        faults.through_wall = state.id[a];
+        faults.wall = step.walls.feature(b - state.n_held()).wall;
+    }
+    if (!g.applies) {
+        return {};
+    }
+    return judge(step, a, b, g.n, g.gap, state.radius[a] + state.radius[a], normal_speed(g.n, state.u[a], state.u[b]),
+                 normal_speed(g.n, state.u_old[a], state.u_old[b]));
+}
+
+/// Into the first batch with a free lane behind those of both grains; returns the lane among all lanes, -1: no room.
+std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c, const Found& found) {
+    const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
+    const bool of_wall = b >= step.state.n_held();
+    const std::int32_t last_a = last_[static_cast<std::size_t>(a)];
+    const std::int32_t last_b = of_wall ? 0 : last_[static_cast<std::size_t>(b)];
+    const std::int32_t behind = (last_a > last_b ? last_a : last_b) + 1 - n_packed_;
+    auto k = std::max(first_open_, static_cast<std::size_t>(behind > 0 ? behind : 0));
+    while (k < filled_.size() && filled_[k] == n_lanes) {
+        ++k;
+    }
+    if (k == filled_.size()) {
+        if (range.n == range.room) {
+            if (range.begin + range.room < static_cast<std::int64_t>(batches_.size())) {
+                return -1;
+            }
+            grow(range, 1);
+        }
+        clear(range.begin + range.n, step.state.null_body());
+        ++range.n;
+        filled_.push_back(0);
+    }
+    const std::int64_t at = range.begin + static_cast<std::int64_t>(k);
+    DiskBatch& batch = batches_[static_cast<std::size_t>(at)];
+    const int l = filled_[k]++;
+    while (first_open_ < filled_.size() && filled_[first_open_] == n_lanes) {
+        ++first_open_;
+    }
+    NAPPE_ASSERT(!shares_grain(batch, a, b, step.state.n_held()),
+                 "a batch holds grain " + std::to_string(step.state.id[a]) + " or its partner twice");
+    last_[static_cast<std::size_t>(a)] = n_packed_ + static_cast<std::int32_t>(k);
+    if (!of_wall) {
+        last_[static_cast<std::size_t>(b)] = n_packed_ + static_cast<std::int32_t>(k);
+    }
+    batch.nx[l] = found.n[0];
+    batch.ny[l] = found.n[1];
+    batch.bias[l] = found.bias;
+    batch.m_eff[l] = 1.0 / (step.state.u[a].inv_m + step.state.u[b].inv_m);
+    batch.r_n[l] = step.candidates.r[c].n;
+    batch.r_t[l] = step.candidates.r[c].t[0];
+    batch.a[l] = 4u * static_cast<std::uint32_t>(a);
+    batch.b[l] = 4u * static_cast<std::uint32_t>(b);
+    if (!laws_.uniform) {
+        friction_[static_cast<std::size_t>(at)].mu[l] = laws_.friction(step.state.material[a], step.state.material[b]);
+    }
+    source_[static_cast<std::size_t>(at * n_lanes + l)] = c;
+    ++range.active;
+    return at * n_lanes + l;
+}
+
+/// Batches at the end of the storage for its last tile.
+void DiskContacts::grow(Range& range, std::int64_t n) {
+    range.room += n;
+    batches_.resize(static_cast<std::size_t>(range.begin + range.room));
+    source_.resize(batches_.size() * n_lanes, -1);
+    if (!laws_.uniform) {
+        friction_.resize(batches_.size());
+    }
+}
+
+/// Eight null contacts.
+void DiskContacts::clear(std::int64_t at, LocalId null_body) {
+    DiskBatch& batch = batches_[static_cast<std::size_t>(at)];
+    batch = {};
+    std::fill(std::begin(batch.a), std::end(batch.a), 4u * static_cast<std::uint32_t>(null_body));
+    std::fill(std::begin(batch.b), std::end(batch.b), 4u * static_cast<std::uint32_t>(null_body));
+    std::fill_n(source_.begin() + at * n_lanes, n_lanes, -1);
+}
+
 bool DiskContacts::missed_any(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls,
-                              double h) const {
-    return std::any_of(left_out_.begin(), left_out_.end(), [&](std::int32_t c) {
-        const LocalId a = candidates.a[c], b = candidates.b[c];
+                              double h) {
+    for (std::size_t t = 0; t < ranges_.size(); ++t) {
+        const std::int32_t n = ranges_[t].asleep;
+        measure(asleep_.data() + candidates.tiles[t].candidates_begin, n, candidates, 0, arrays(state));
+        for (std::int32_t k = 0; k < n; ++k) {
+            const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
+            if (g.gap[k % n_lanes] + h * g.v[k % n_lanes] < 0) {
+                return true;
+            }
+        }
+    }
+    return std::any_of(walls_.begin(), walls_.end(), [&](const WallPair& pair) {
+        const LocalId a = candidates.a[pair.candidate], b = candidates.b[pair.candidate];
+        if (!pair.asleep) {
+            return false;
+        }
         const auto g = contact_geometry(state, walls, a, b);
         return g.gap + h * normal_speed(g.n, state.u[a], state.u[b]) < 0;
     });
 }
 
-RawResidual DiskContacts::residual(std::size_t tile, const std::vector<BodyVelocity<2>>& u) const {
-    RawResidual sum;
-    for (auto k = ranges_[tile].begin; k < ranges_[tile].end; ++k) {
-        const DiskBatch& batch = batches_[static_cast<std::size_t>(k)];
-        for (int l = 0; l < n_lanes; ++l) {
-            if (source_[static_cast<std::size_t>(k * n_lanes + l)] < 0) {
-                continue;
-            }
-            const auto& a = u[batch.a[l]];
-            const auto& b = u[batch.b[l]];
-            const double dvx = a.v[0] - b.v[0], dvy = a.v[1] - b.v[1];
-            const double v_n = batch.nx[l] * dvx + batch.ny[l] * dvy;
-            const double v_t = (batch.nx[l] * dvy - batch.ny[l] * dvx) - (a.s[0] + b.s[0]);
-            const double w_n = 1.0 / batch.m_eff[l], w_t = 3.0 * w_n;
-            const double mu = laws_.uniform ? laws_.uniform_friction : friction_[static_cast<std::size_t>(k)].mu[l];
-            const double wanted_n = batch.r_n[l] - (v_n + batch.bias[l]) * batch.m_eff[l];
-            const double new_n = wanted_n > 0 ? wanted_n : 0.0;
-            const double limit = mu * new_n;
-            const double wanted_t = batch.r_t[l] - v_t / w_t;
-            const double above = wanted_t > limit ? limit : wanted_t;
-            const double new_t = above < -limit ? -limit : above;
-            const double e_n = w_n * (batch.r_n[l] - new_n), e_t = w_t * (batch.r_t[l] - new_t);
-            const double squared = e_n * e_n + e_t * e_t;
-            sum.largest_squared = squared > sum.largest_squared ? squared : sum.largest_squared;
-            sum.sum_squared += squared;
-            ++sum.contacts;
-        }
-    }
-    return sum;
-}
-
-std::pair<double, std::int64_t> DiskContacts::touching_speed(std::size_t tile,
-                                                             const std::vector<BodyVelocity<2>>& u) const {
-    double sum = 0;
-    std::int64_t n = 0;
-    for (auto k = ranges_[tile].begin; k < ranges_[tile].end; ++k) {
-        const DiskBatch& batch = batches_[static_cast<std::size_t>(k)];
-        for (int l = 0; l < n_lanes; ++l) {
-            if (source_[static_cast<std::size_t>(k * n_lanes + l)] >= 0 && batch.bias[l] <= 0) {
-                const auto& a = u[batch.a[l]];
-                const auto& b = u[batch.b[l]];
-                const double dvx = a.v[0] - b.v[0], dvy = a.v[1] - b.v[1];
-                const double v_n = batch.nx[l] * dvx + batch.ny[l] * dvy;
-                const double v_t = (batch.nx[l] * dvy - batch.ny[l] * dvx) - (a.s[0] + b.s[0]);
-                sum += v_n * v_n + v_t * v_t;
-                ++n;
-            }
-        }
-    }
-    return {sum, n};
-}
-
 void DiskContacts::store(CandidateSet<2>& candidates) const {
-    std::fill(candidates.r.begin(), candidates.r.end(), Impulse<2>{});
-    for (std::size_t slot = 0; slot < source_.size(); ++slot) {
-        if (source_[slot] >= 0) {
-            const DiskBatch& batch = batches_[slot / n_lanes];
-            const auto l = slot % n_lanes;
-            candidates.r[source_[slot]] = {batch.r_n[l], {batch.r_t[l]}};
+    if (!fresh_) {
+        store_tiles_but(ranges_.size(), candidates);
+    }
+}
+
+void DiskContacts::store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const {
+    for (std::size_t t = 0; t < ranges_.size(); ++t) {
+        if (t != left_out) {
+            store_tile(t, candidates);
         }
     }
+}
+
+void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) const {
+    const auto& of = candidates.tiles[tile];
+    std::fill(candidates.r.begin() + of.candidates_begin, candidates.r.begin() + of.candidates_end, Impulse<2>{});
+    for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+        candidates.r[source_[static_cast<std::size_t>(k * n_lanes + l)]] = {batch.r_n[l], {batch.r_t[l]}};
+    });
 }
 
 } // namespace nappe

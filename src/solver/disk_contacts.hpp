@@ -3,31 +3,15 @@
 // sweep.
 
 #include "core/contact_set.hpp"
-#include "core/scene.hpp"
 #include "core/state.hpp"
 #include "core/walls.hpp"
 #include "solver/disk_batch.hpp"
+#include "solver/pair_laws.hpp"
 
 #include <limits>
 #include <vector>
 
 namespace nappe {
-
-/// Friction and restitution of every pair of materials, as a table.
-struct PairLaws {
-    explicit PairLaws(const Scene<2>& scene);
-
-    double friction(int a, int b) const { return friction_[static_cast<std::size_t>(a * n_ + b)]; }
-    double restitution(int a, int b) const { return restitution_[static_cast<std::size_t>(a * n_ + b)]; }
-
-    bool uniform = true; ///< one friction coefficient serves all pairs
-    double uniform_friction = 0;
-    bool any_restitution = false; ///< else no approach velocity is ever computed
-
-private:
-    int n_ = 0;
-    std::vector<double> friction_, restitution_;
-};
 
 /// Distances between convergence and truth: largest and RMS of |W (r - P(r - u/W))| over active contacts [m/s], to be
 /// divided by a velocity scale (docs/notation.md, "residual").
@@ -44,30 +28,37 @@ struct PackFaults {
     int wall = -1;
 };
 
+/// Batches stay from step to step: where a tile's active contacts are those of the step before, only normals and biases
+/// are new. Where they are others, the tile is packed anew: each contact goes, in frozen order, into the first batch
+/// with a free lane after all those that its grains are in. Contacts that share no grain commute to the bit, so this
+/// fills batches and changes nothing.
 class DiskContacts {
 public:
     DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(kernels) {}
 
-    /// Local. Geometry of every candidate at the predicted positions; those that may act in a step of h are packed with
-    /// their impulses from `candidates`. Which those are: a gap below what the pair could close at twice its present
-    /// speed of approach, plus 1 % of the radii; `activate_all` packs every candidate. Pre: u is the free velocity,
-    /// u_old that of the step's start.
-    PackFaults pack(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h,
+    /// Local. Candidates are new, or their impulses: the next `pack` takes both.
+    void forget() { fresh_ = true; }
+
+    /// Local. Geometry of every candidate at the predicted positions; those that may act in a step of h are packed, the
+    /// first time with their impulses from `candidates`, later with those that the batches hold. Who may act: a gap
+    /// below what the pair could close at twice its present speed of approach, plus 1 % of the radii; the others sleep.
+    /// `activate_all` packs every candidate. Pre: u is the free velocity, u_old that of the step's start; `candidates`
+    /// are those of the last call, or `forget` was called.
+    PackFaults pack(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
                     bool activate_all);
 
-    /// Local. Whether a candidate that was left out would have had to act, at velocities u: then the step must be
-    /// redone.
-    bool missed_any(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h) const;
+    /// Local. Whether a candidate that sleeps would have had to act, at velocities u: then the step must be redone.
+    bool missed_any(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h);
 
     void relax(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
         const Range& r = ranges_[tile];
-        kernels_.relax(batches_.data() + r.begin, laws_.uniform ? nullptr : friction_.data() + r.begin, r.end - r.begin,
+        kernels_.relax(batches_.data() + r.begin, laws_.uniform ? nullptr : friction_.data() + r.begin, r.n,
                        laws_.uniform_friction, u.data()->v.data());
     }
 
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) const {
         const Range& r = ranges_[tile];
-        kernels_.apply(batches_.data() + r.begin, r.end - r.begin, u.data()->v.data());
+        kernels_.apply(batches_.data() + r.begin, r.n, u.data()->v.data());
     }
 
     /// Local. One tile's residual at velocities u.
@@ -76,24 +67,20 @@ public:
     /// Local. Sum of squared relative velocities over one tile's touching contacts [m²/s²] and their number.
     std::pair<double, std::int64_t> touching_speed(std::size_t tile, const std::vector<BodyVelocity<2>>& u) const;
 
-    /// Local. Puts the impulses back to their candidates; those left out have none.
+    /// Local. Puts the impulses back to their candidates; those that sleep have none.
     void store(CandidateSet<2>& candidates) const;
 
     std::int64_t n_active() const { return n_active_; }
     std::int64_t n_active(std::size_t tile) const { return ranges_[tile].active; }
+    std::int64_t n_batches(std::size_t tile) const { return ranges_[tile].n; }
     std::size_t n_tiles() const { return ranges_.size(); }
 
     /// Calls f(a, b, n, impulse) for the packed contacts of a tile, in the order of the sweep.
     template <class F>
     void for_each(std::size_t tile, F&& f) const {
-        for (auto k = ranges_[tile].begin; k < ranges_[tile].end; ++k) {
-            const DiskBatch& batch = batches_[static_cast<std::size_t>(k)];
-            for (int l = 0; l < n_lanes; ++l) {
-                if (source_[static_cast<std::size_t>(k * n_lanes + l)] >= 0) {
-                    f(batch.a[l], batch.b[l], Vec<2>(batch.nx[l], batch.ny[l]), batch.r_n[l], batch.r_t[l]);
-                }
-            }
-        }
+        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t, int l) {
+            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), batch.r_n[l], batch.r_t[l]);
+        });
     }
 
     /// Of a packed contact where one friction coefficient serves all.
@@ -104,17 +91,83 @@ public:
 
 private:
     struct Range {
-        std::int64_t begin = 0, end = 0, active = 0;
+        std::int64_t begin = 0; ///< first batch
+        std::int64_t n = 0;     ///< batches in use
+        std::int64_t room = 0;  ///< batches that belong to the tile
+        std::int64_t active = 0;
+        std::int32_t asleep = 0;                   ///< entries of asleep_ from candidates_begin on
+        std::int32_t walls_begin = 0, n_walls = 0; ///< entries of walls_
     };
+
+    /// A candidate with a wall: wall geometry is not the kernels'.
+    struct WallPair {
+        std::int32_t candidate = 0;
+        bool asleep = false;
+        std::int64_t slot = -1; ///< lane among all lanes, -1: not packed
+    };
+
+    /// What a step finds of one candidate.
+    enum class Decision { ignore, sleep, act };
+    struct Found {
+        Decision decision = Decision::ignore;
+        Vec<2> n = Vec<2>::Zero();
+        double bias = 0;
+    };
+
+    struct Step { ///< what all of `pack` reads
+        const State<2>& state;
+        const CandidateSet<2>& candidates;
+        const Walls<2>& walls;
+        double h;
+        bool activate_all;
+        BodyArrays bodies;
+    };
+
+    static LocalId row(std::uint32_t index) { return static_cast<LocalId>(index / 4); }
+
+    template <class F>
+    void for_each_lane(std::size_t tile, F&& f) const {
+        const Range& range = ranges_[tile];
+        for (auto k = range.begin; k < range.begin + range.n; ++k) {
+            for (int l = 0; l < n_lanes; ++l) {
+                if (source_[static_cast<std::size_t>(k * n_lanes + l)] >= 0) {
+                    f(batches_[static_cast<std::size_t>(k)], k, l);
+                }
+            }
+        }
+    }
+
+    void lay_out(const Step& step);
+    bool refresh_tile(std::size_t tile, const Step& step, PackFaults& faults);
+    bool pack_tile(std::size_t tile, const Step& step, PackFaults& faults);
+    bool any_wakes(std::size_t tile, const Step& step);
+    Found judge(const Step& step, LocalId a, LocalId b, const Vec<2>& n, double gap, double size, double v_free,
+                double v_old) const;
+    Found judge_wall(const Step& step, LocalId a, LocalId b, PackFaults& faults) const;
+    std::int64_t place(Range& range, const Step& step, std::int32_t c, const Found& found);
+    void grow(Range& range, std::int64_t n);
+    void clear(std::int64_t at, LocalId null_body);
+    void measure(const std::int32_t* which, std::int32_t n, const CandidateSet<2>& candidates, std::int32_t from,
+                 const BodyArrays& bodies);
+    void store_tile(std::size_t tile, CandidateSet<2>& candidates) const;
+    void store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const;
 
     PairLaws laws_;
     const DiskKernels& kernels_;
     std::vector<DiskBatch> batches_;
     std::vector<FrictionBatch> friction_; ///< empty if laws_.uniform
     std::vector<std::int32_t> source_;    ///< candidate of every lane, -1 for null contacts
-    std::vector<Range> ranges_;           ///< batches of every tile
-    std::vector<std::int32_t> left_out_;  ///< candidates not packed that could still come to act
+    std::vector<Range> ranges_;           ///< of every tile
+    std::vector<std::int32_t> asleep_;    ///< candidates of disks that sleep, by tile
+    std::vector<WallPair> walls_;         ///< by tile
     std::int64_t n_active_ = 0;
+    bool fresh_ = true;
+
+    std::vector<GapBatch> gaps_;      ///< of one tile
+    std::vector<std::int32_t> last_;  ///< by row: the latest batch that has the grain, counted over all tiles packed
+    std::int32_t n_packed_ = 1;       ///< that count before the tile in hand
+    std::vector<std::int8_t> filled_; ///< lanes in use of the tile's batches
+    std::size_t first_open_ = 0;      ///< batches before it are full
 };
 
 } // namespace nappe

@@ -7,6 +7,7 @@
 
 namespace nappe {
 
+extern const DiskKernels disk_kernels_scalar;
 extern const DiskKernels disk_kernels_portable;
 #ifdef NAPPE_X86
 extern const DiskKernels disk_kernels_avx2;
@@ -28,8 +29,11 @@ const DiskKernels& disk_kernels(const char* wanted) {
     if (asked(disk_kernels_portable)) {
         return disk_kernels_portable;
     }
+    if (asked(disk_kernels_scalar)) {
+        return disk_kernels_scalar;
+    }
     throw InputError(std::string("--kernel: must name an instruction set this machine has, found '") + wanted +
-                     "'; use portable, avx2 or avx512, or leave it out for the fastest");
+                     "'; use scalar, portable, avx2 or avx512, or leave it out for the fastest");
 }
 
 } // namespace nappe

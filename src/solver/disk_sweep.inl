@@ -12,140 +12,187 @@
 
 #include "solver/disk_batch.hpp"
 
+#if defined(__AVX2__)
+#include <immintrin.h> // intrinsics only: no function of it is left as a symbol
+#endif
+
 namespace nappe {
 namespace {
 
 // A register holds `width` doubles; a batch of eight contacts takes 8 / width of them. What wide shuffles would be
 // emulated by scalar moves on a narrower instruction set, so the transposition of bodies into lanes is written once per
-// width.
+// width. NAPPE_SCALAR asks for one lane: plain arithmetic in the same order.
 #if defined(__AVX512F__)
 constexpr int width = 8;
 #elif defined(__AVX2__)
 constexpr int width = 4;
+#elif defined(NAPPE_SCALAR)
+constexpr int width = 1;
 #else
 constexpr int width = 2;
 #endif
 
+#if defined(NAPPE_SCALAR)
+typedef double Lane;
+#else
 typedef double Lane __attribute__((vector_size(8 * width), may_alias)); // one number of `width` contacts
+#endif
 
 static_assert(n_lanes % width == 0);
 
+#define NAPPE_INLINE inline __attribute__((always_inline))
+
+/// Four numbers of `width` bodies: of velocities v_x, v_y, s, 1/m; of places x, y, radius and nothing.
 struct Bodies {
-    Lane vx, vy, s, inv_m;
+    Lane x, y, s, w;
 };
 
-inline __attribute__((always_inline)) Lane load(const double* p) {
+NAPPE_INLINE Lane load(const double* p) {
     return *reinterpret_cast<const Lane*>(p);
 }
 
-inline __attribute__((always_inline)) void store(double* p, const Lane& v) {
+NAPPE_INLINE void store(double* p, const Lane& v) {
     *reinterpret_cast<Lane*>(p) = v;
 }
 
-#if defined(__AVX512F__) || defined(__AVX2__)
-typedef double Row __attribute__((vector_size(32), may_alias)); // a body: v_x, v_y, s, 1/m
-
-inline __attribute__((always_inline)) Row row(const double* u, std::int32_t i) {
-    return *reinterpret_cast<const Row*>(u + 4 * static_cast<std::int64_t>(i));
+#if defined(NAPPE_SCALAR)
+NAPPE_INLINE Lane root(Lane v) {
+    return __builtin_sqrt(v);
 }
 
-inline __attribute__((always_inline)) void put(double* u, std::int32_t i, const Row& r) {
-    *reinterpret_cast<Row*>(u + 4 * static_cast<std::int64_t>(i)) = r;
+NAPPE_INLINE bool any_of(Lane mask) {
+    return mask > 0;
+}
+#else
+NAPPE_INLINE Lane root(const Lane& v) {
+    Lane r;
+    for (int k = 0; k < width; ++k) {
+        r[k] = __builtin_sqrt(v[k]);
+    }
+    return r;
+}
+
+NAPPE_INLINE bool any_of(const Lane& mask) {
+    double most = 0;
+    for (int k = 0; k < width; ++k) {
+        most += mask[k];
+    }
+    return most > 0;
 }
 #endif
 
 // gather: bodies i[0] … i[width-1], transposed into lanes. scatter: back; lanes that name one unmovable body all write
-// what was there.
+// what was there. An index counts doubles.
 #if defined(__AVX512F__)
-inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
-    const Lane a = __builtin_shufflevector(row(u, i[0]), row(u, i[1]), 0, 1, 2, 3, 4, 5, 6, 7);
-    const Lane b = __builtin_shufflevector(row(u, i[2]), row(u, i[3]), 0, 1, 2, 3, 4, 5, 6, 7);
-    const Lane c = __builtin_shufflevector(row(u, i[4]), row(u, i[5]), 0, 1, 2, 3, 4, 5, 6, 7);
-    const Lane d = __builtin_shufflevector(row(u, i[6]), row(u, i[7]), 0, 1, 2, 3, 4, 5, 6, 7);
-    const Lane ab_v = __builtin_shufflevector(a, b, 0, 4, 8, 12, 1, 5, 9, 13);
-    const Lane cd_v = __builtin_shufflevector(c, d, 0, 4, 8, 12, 1, 5, 9, 13);
-    const Lane ab_s = __builtin_shufflevector(a, b, 2, 6, 10, 14, 3, 7, 11, 15);
-    const Lane cd_s = __builtin_shufflevector(c, d, 2, 6, 10, 14, 3, 7, 11, 15);
-    return {__builtin_shufflevector(ab_v, cd_v, 0, 1, 2, 3, 8, 9, 10, 11),
-            __builtin_shufflevector(ab_v, cd_v, 4, 5, 6, 7, 12, 13, 14, 15),
-            __builtin_shufflevector(ab_s, cd_s, 0, 1, 2, 3, 8, 9, 10, 11),
-            __builtin_shufflevector(ab_s, cd_s, 4, 5, 6, 7, 12, 13, 14, 15)};
+typedef double Row __attribute__((vector_size(32), may_alias)); // a body
+
+NAPPE_INLINE __m256d row(const double* u, std::uint32_t i) {
+    return _mm256_load_pd(u + i);
 }
 
-inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
-    const Lane ab_v = __builtin_shufflevector(w.vx, w.vy, 0, 1, 2, 3, 8, 9, 10, 11);
-    const Lane cd_v = __builtin_shufflevector(w.vx, w.vy, 4, 5, 6, 7, 12, 13, 14, 15);
-    const Lane ab_s = __builtin_shufflevector(w.s, w.inv_m, 0, 1, 2, 3, 8, 9, 10, 11);
-    const Lane cd_s = __builtin_shufflevector(w.s, w.inv_m, 4, 5, 6, 7, 12, 13, 14, 15);
-    const Lane a = __builtin_shufflevector(ab_v, ab_s, 0, 4, 8, 12, 1, 5, 9, 13);
-    const Lane b = __builtin_shufflevector(ab_v, ab_s, 2, 6, 10, 14, 3, 7, 11, 15);
-    const Lane c = __builtin_shufflevector(cd_v, cd_s, 0, 4, 8, 12, 1, 5, 9, 13);
-    const Lane d = __builtin_shufflevector(cd_v, cd_s, 2, 6, 10, 14, 3, 7, 11, 15);
-    put(u, i[0], __builtin_shufflevector(a, a, 0, 1, 2, 3));
-    put(u, i[1], __builtin_shufflevector(a, a, 4, 5, 6, 7));
-    put(u, i[2], __builtin_shufflevector(b, b, 0, 1, 2, 3));
-    put(u, i[3], __builtin_shufflevector(b, b, 4, 5, 6, 7));
-    put(u, i[4], __builtin_shufflevector(c, c, 0, 1, 2, 3));
-    put(u, i[5], __builtin_shufflevector(c, c, 4, 5, 6, 7));
-    put(u, i[6], __builtin_shufflevector(d, d, 0, 1, 2, 3));
-    put(u, i[7], __builtin_shufflevector(d, d, 4, 5, 6, 7));
+/// Bodies i and j in the lower and upper half: a load and an insert from memory, no shuffle.
+NAPPE_INLINE Lane pair(const double* u, std::uint32_t i, std::uint32_t j) {
+    return (Lane)_mm512_insertf64x4(_mm512_castpd256_pd512(row(u, i)), row(u, j), 1);
+}
+
+NAPPE_INLINE void put(double* u, std::uint32_t i, std::uint32_t j, const Lane& v) {
+    _mm256_store_pd(u + i, _mm512_castpd512_pd256((__m512d)v));
+    _mm256_store_pd(u + j, _mm512_extractf64x4_pd((__m512d)v, 1));
+}
+
+NAPPE_INLINE Bodies gather(const double* u, const std::uint32_t* i) {
+    const Lane a = pair(u, i[0], i[2]), b = pair(u, i[1], i[3]), c = pair(u, i[4], i[6]), d = pair(u, i[5], i[7]);
+    const Lane ab_xs = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Lane ab_yw = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+    const Lane cd_xs = __builtin_shufflevector(c, d, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Lane cd_yw = __builtin_shufflevector(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+    return {__builtin_shufflevector(ab_xs, cd_xs, 0, 1, 4, 5, 8, 9, 12, 13),
+            __builtin_shufflevector(ab_yw, cd_yw, 0, 1, 4, 5, 8, 9, 12, 13),
+            __builtin_shufflevector(ab_xs, cd_xs, 2, 3, 6, 7, 10, 11, 14, 15),
+            __builtin_shufflevector(ab_yw, cd_yw, 2, 3, 6, 7, 10, 11, 14, 15)};
+}
+
+NAPPE_INLINE void scatter(double* u, const std::uint32_t* i, const Bodies& v) {
+    const Lane even_xy = __builtin_shufflevector(v.x, v.y, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Lane odd_xy = __builtin_shufflevector(v.x, v.y, 1, 9, 3, 11, 5, 13, 7, 15);
+    const Lane even_sw = __builtin_shufflevector(v.s, v.w, 0, 8, 2, 10, 4, 12, 6, 14);
+    const Lane odd_sw = __builtin_shufflevector(v.s, v.w, 1, 9, 3, 11, 5, 13, 7, 15);
+    put(u, i[0], i[2], __builtin_shufflevector(even_xy, even_sw, 0, 1, 8, 9, 2, 3, 10, 11));
+    put(u, i[1], i[3], __builtin_shufflevector(odd_xy, odd_sw, 0, 1, 8, 9, 2, 3, 10, 11));
+    put(u, i[4], i[6], __builtin_shufflevector(even_xy, even_sw, 4, 5, 12, 13, 6, 7, 14, 15));
+    put(u, i[5], i[7], __builtin_shufflevector(odd_xy, odd_sw, 4, 5, 12, 13, 6, 7, 14, 15));
 }
 #elif defined(__AVX2__)
-inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
-    const Row a = row(u, i[0]), b = row(u, i[1]), c = row(u, i[2]), d = row(u, i[3]);
-    const Row ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Row cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-    return {__builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5), __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5),
-            __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7), __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7)};
+// By halves of bodies: an insert from memory is no shuffle, nor is a store of an upper half.
+NAPPE_INLINE Lane halves(const double* p, const double* q) {
+    return (Lane)_mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(p)), _mm_load_pd(q), 1);
 }
 
-inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
-    const Row ac_v = __builtin_shufflevector(w.vx, w.vy, 0, 4, 2, 6),
-              bd_v = __builtin_shufflevector(w.vx, w.vy, 1, 5, 3, 7);
-    const Row ac_s = __builtin_shufflevector(w.s, w.inv_m, 0, 4, 2, 6);
-    const Row bd_s = __builtin_shufflevector(w.s, w.inv_m, 1, 5, 3, 7);
-    put(u, i[0], __builtin_shufflevector(ac_v, ac_s, 0, 1, 4, 5));
-    put(u, i[1], __builtin_shufflevector(bd_v, bd_s, 0, 1, 4, 5));
-    put(u, i[2], __builtin_shufflevector(ac_v, ac_s, 2, 3, 6, 7));
-    put(u, i[3], __builtin_shufflevector(bd_v, bd_s, 2, 3, 6, 7));
+NAPPE_INLINE void put(double* p, double* q, const Lane& v) {
+    _mm_store_pd(p, _mm256_castpd256_pd128((__m256d)v));
+    _mm_store_pd(q, _mm256_extractf128_pd((__m256d)v, 1));
+}
+
+NAPPE_INLINE Bodies gather(const double* u, const std::uint32_t* i) {
+    const double *a = u + i[0], *b = u + i[1], *c = u + i[2], *d = u + i[3];
+    const Lane ac_xy = halves(a, c), bd_xy = halves(b, d), ac_sw = halves(a + 2, c + 2), bd_sw = halves(b + 2, d + 2);
+    return {__builtin_shufflevector(ac_xy, bd_xy, 0, 4, 2, 6), __builtin_shufflevector(ac_xy, bd_xy, 1, 5, 3, 7),
+            __builtin_shufflevector(ac_sw, bd_sw, 0, 4, 2, 6), __builtin_shufflevector(ac_sw, bd_sw, 1, 5, 3, 7)};
+}
+
+NAPPE_INLINE void scatter(double* u, const std::uint32_t* i, const Bodies& v) {
+    put(u + i[0], u + i[2], __builtin_shufflevector(v.x, v.y, 0, 4, 2, 6));
+    put(u + i[1], u + i[3], __builtin_shufflevector(v.x, v.y, 1, 5, 3, 7));
+    put(u + i[0] + 2, u + i[2] + 2, __builtin_shufflevector(v.s, v.w, 0, 4, 2, 6));
+    put(u + i[1] + 2, u + i[3] + 2, __builtin_shufflevector(v.s, v.w, 1, 5, 3, 7));
+}
+#elif defined(NAPPE_SCALAR)
+NAPPE_INLINE Bodies gather(const double* u, const std::uint32_t* i) {
+    const double* a = u + i[0];
+    return {load(a), load(a + 1), load(a + 2), load(a + 3)};
+}
+
+NAPPE_INLINE void scatter(double* u, const std::uint32_t* i, const Bodies& v) {
+    double* a = u + i[0];
+    store(a, v.x);
+    store(a + 1, v.y);
+    store(a + 2, v.s);
 }
 #else
-inline __attribute__((always_inline)) Bodies gather(const double* u, const std::int32_t* i) {
-    const double* a = u + 4 * static_cast<std::int64_t>(i[0]);
-    const double* b = u + 4 * static_cast<std::int64_t>(i[1]);
+NAPPE_INLINE Bodies gather(const double* u, const std::uint32_t* i) {
+    const double *a = u + i[0], *b = u + i[1];
     const Lane a_v = load(a), b_v = load(b), a_s = load(a + 2), b_s = load(b + 2);
     return {__builtin_shufflevector(a_v, b_v, 0, 2), __builtin_shufflevector(a_v, b_v, 1, 3),
             __builtin_shufflevector(a_s, b_s, 0, 2), __builtin_shufflevector(a_s, b_s, 1, 3)};
 }
 
-inline __attribute__((always_inline)) void scatter(double* u, const std::int32_t* i, const Bodies& w) {
-    double* a = u + 4 * static_cast<std::int64_t>(i[0]);
-    double* b = u + 4 * static_cast<std::int64_t>(i[1]);
-    store(a, __builtin_shufflevector(w.vx, w.vy, 0, 2));
-    store(b, __builtin_shufflevector(w.vx, w.vy, 1, 3));
-    store(a + 2, __builtin_shufflevector(w.s, w.inv_m, 0, 2));
-    store(b + 2, __builtin_shufflevector(w.s, w.inv_m, 1, 3));
+NAPPE_INLINE void scatter(double* u, const std::uint32_t* i, const Bodies& v) {
+    double *a = u + i[0], *b = u + i[1];
+    store(a, __builtin_shufflevector(v.x, v.y, 0, 2));
+    store(b, __builtin_shufflevector(v.x, v.y, 1, 3));
+    store(a + 2, __builtin_shufflevector(v.s, v.w, 0, 2));
+    store(b + 2, __builtin_shufflevector(v.s, v.w, 1, 3));
 }
 #endif
 
 /// The impulses d_n, d_t act on both bodies of each lane.
-inline __attribute__((always_inline)) void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, const Lane& d_n,
-                                                const Lane& d_t) {
+NAPPE_INLINE void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, const Lane& d_n, const Lane& d_t) {
     const Lane px = d_n * nx - d_t * ny;
     const Lane py = d_n * ny + d_t * nx;
     const Lane spin = d_t + d_t;
-    a.vx += px * a.inv_m;
-    a.vy += py * a.inv_m;
-    a.s -= spin * a.inv_m;
-    b.vx -= px * b.inv_m;
-    b.vy -= py * b.inv_m;
-    b.s -= spin * b.inv_m;
+    a.x += px * a.w;
+    a.y += py * a.w;
+    a.s -= spin * a.w;
+    b.x -= px * b.w;
+    b.y -= py * b.w;
+    b.s -= spin * b.w;
 }
 
 template <bool Mixed>
-inline __attribute__((always_inline)) void relax_all(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n,
-                                                     double mu_uniform, double* u) {
-    const Lane zero = {};
+NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu_uniform,
+                            double* u) {
+    Lane zero = {};
+    asm("" : "+x"(zero)); // not a literal, so that the selection below is one instruction, a maximum
     const double third = 1.0 / 3.0;
     for (std::int64_t k = 0; k < n; ++k) {
         DiskBatch& batch = batches[k];
@@ -154,7 +201,7 @@ inline __attribute__((always_inline)) void relax_all(DiskBatch* batches, const F
             Bodies b = gather(u, batch.b + l);
             const Lane nx = load(batch.nx + l), ny = load(batch.ny + l), m = load(batch.m_eff + l);
             const Lane r_n = load(batch.r_n + l), r_t = load(batch.r_t + l);
-            const Lane dvx = a.vx - b.vx, dvy = a.vy - b.vy;
+            const Lane dvx = a.x - b.x, dvy = a.y - b.y;
             const Lane v_n = nx * dvx + ny * dvy;
             const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
             const Lane wanted_n = r_n - (v_n + load(batch.bias + l)) * m;
@@ -192,6 +239,73 @@ void apply(const DiskBatch* batches, std::int64_t n, double* u) {
         }
     }
 }
+
+/// One register of a GapBatch.
+struct Gaps {
+    Lane nx, ny, gap, size, v, v_old;
+};
+
+NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, const std::uint32_t* j) {
+    const Bodies p = gather(bodies.mid, i), q = gather(bodies.mid, j);
+    const Lane dx = p.x - q.x, dy = p.y - q.y;
+    const Lane distance = root(dx * dx + dy * dy);
+    Gaps g;
+    g.nx = dx / distance;
+    g.ny = dy / distance;
+    g.size = p.s + q.s;
+    g.gap = distance - g.size;
+    const Bodies a = gather(bodies.u, i), b = gather(bodies.u, j);
+    g.v = g.nx * (a.x - b.x) + g.ny * (a.y - b.y);
+    const Bodies a_old = gather(bodies.u_old, i), b_old = gather(bodies.u_old, j);
+    g.v_old = g.nx * (a_old.x - b_old.x) + g.ny * (a_old.y - b_old.y);
+    return g;
+}
+
+bool refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h) {
+    const Lane zero = {};
+    Lane any = {};
+    for (std::int64_t k = 0; k < n; ++k) {
+        DiskBatch& batch = batches[k];
+        for (int l = 0; l < n_lanes; l += width) {
+            const Gaps g = measure(bodies, batch.a + l, batch.b + l);
+            // Null lanes: the null body has no direction to itself.
+            const Lane m = load(batch.m_eff + l);
+            store(batch.nx + l, m > zero ? g.nx : zero);
+            store(batch.ny + l, m > zero ? g.ny : zero);
+            store(batch.bias + l, g.gap > zero ? g.gap / h : zero);
+            // DiskContacts' rule of who sleeps.
+            const Lane slower = g.v_old < g.v ? g.v_old : g.v;
+            const Lane closes = slower < zero ? -2 * h * slower : zero;
+            any += g.gap > 0.01 * g.size + closes ? zero + 1 : zero;
+        }
+    }
+    return any_of(any);
+}
+
+void gaps(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,
+          const BodyArrays& bodies, GapBatch* out) {
+    for (std::int64_t k = 0; k < n; k += n_lanes) {
+        std::uint32_t i[n_lanes], j[n_lanes];
+        for (int l = 0; l < n_lanes; ++l) {
+            const std::int64_t at = k + l < n ? k + l : n - 1;
+            const std::int64_t c = which != nullptr ? which[at] : at;
+            i[l] = 4u * static_cast<std::uint32_t>(a[c]);
+            j[l] = 4u * static_cast<std::uint32_t>(b[c]);
+        }
+        GapBatch& batch = out[k / n_lanes];
+        for (int l = 0; l < n_lanes; l += width) {
+            const Gaps g = measure(bodies, i + l, j + l);
+            store(batch.nx + l, g.nx);
+            store(batch.ny + l, g.ny);
+            store(batch.gap + l, g.gap);
+            store(batch.size + l, g.size);
+            store(batch.v + l, g.v);
+            store(batch.v_old + l, g.v_old);
+        }
+    }
+}
+
+#undef NAPPE_INLINE
 
 } // namespace
 } // namespace nappe

@@ -54,6 +54,8 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     ContactMemory<D> memory;
     domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory);
     candidates_ = {};
+    impulses_stale_ = false;
+    contacts_.forget();
     work_.clear();
     tile_work_.clear();
     place_walls();
@@ -103,6 +105,7 @@ void Simulation<D>::mark_cells() {
         }
         state_.cells[i] = bits;
     }
+    find_reported_tiles();
 }
 
 template <int D>

@@ -70,7 +70,14 @@ public:
     const State<D>& state() const { return state_; }
     const Walls<D>& walls() const { return walls_; }
     const Domain<D>& domain() const { return domain_; }
-    const CandidateSet<D>& candidates() const { return candidates_; }
+    /// With the impulses of the last step.
+    const CandidateSet<D>& candidates() const {
+        if (impulses_stale_) {
+            contacts_.store(candidates_);
+            impulses_stale_ = false;
+        }
+        return candidates_;
+    }
     const ContactsOf<D>& contacts() const { return contacts_; }
     const Counters& counters() const { return counters_; }
     ContactSums<D>& sums() { return sums_; }
@@ -86,7 +93,7 @@ public:
 
     /// Local. Owned grains and impulses as rows: a sample, if taken between steps.
     std::vector<GrainRow<D>> grain_rows() const;
-    std::vector<ContactRow<D>> contact_rows() const { return impulse_rows(state_, candidates_); }
+    std::vector<ContactRow<D>> contact_rows() const { return impulse_rows(state_, candidates()); }
 
     /// **Collective.** Of positions, velocities, rotations, radii and impulses by name; the same on any number of
     /// ranks.
@@ -96,12 +103,12 @@ private:
     // One stage of the step each, in this order (step.cpp).
     void substep(double h, int sweeps, std::uint32_t outside, bool with_residual);
     void predict(double h);
-    void free_velocity(double h);
     PackFaults detect(double h, bool activate_all);
     void solve(double h, int sweeps, bool with_residual);
     std::uint32_t check(double h, const PackFaults& faults);
     void integrate(double h);
     void collect();
+    void find_reported_tiles();
 
     void rebuild();
     void drive_walls();
@@ -119,7 +126,9 @@ private:
     Stopwatch watch_;
     State<D> state_;
     Domain<D> domain_;
-    CandidateSet<D> candidates_;
+    // Between steps impulses stay in the batches; they are put back to their candidates when somebody asks.
+    mutable CandidateSet<D> candidates_;
+    mutable bool impulses_stale_ = false;
     ContactsOf<D> contacts_;
     Nsgs<D> solver_;
     ContactSums<D> sums_;
@@ -138,6 +147,7 @@ private:
     int last_sweeps_ = 0;
 
     std::unordered_map<TileKey, std::int64_t> work_; ///< relaxations of tiles since the last look at the balance
+    std::vector<std::size_t> reported_tiles_;        ///< see find_reported_tiles
     std::vector<std::int64_t> tile_work_;            ///< the same since the last rebuild, by row of candidates_.tiles
     std::int64_t last_balance_ = 0;                  ///< step of the last look
 };

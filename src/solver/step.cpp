@@ -45,7 +45,6 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
     bool activate_all = false;
     for (int attempt = 1;; ++attempt) {
         predict(h);
-        free_velocity(h);
         const PackFaults faults = detect(h, activate_all);
         solve(h, sweeps, with_residual);
         agreed_ = check(h, faults) | outside;
@@ -67,7 +66,6 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
                             stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name, most_attempts));
         }
         // Redone from the same start, but from the impulses found so far.
-        contacts_.store(candidates_);
         if ((agreed_ & flag::outran_list) != 0) {
             ++counters_.redone_lists;
             widen_margins(h);
@@ -79,7 +77,6 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
             activate_all = true;
         }
     }
-    contacts_.store(candidates_);
     collect();
     integrate(h);
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
@@ -93,28 +90,25 @@ void Simulation<D>::drive_walls() {
     }
 }
 
+/// Detection positions, and from the velocities of the step's start the free ones.
 template <int D>
 void Simulation<D>::predict(double h) {
     const auto lap = watch_.lap(Timed::predict);
     const double ahead = h * (1 - settings().theta);
+    Vec<D> gained;
+    for (int d = 0; d < D; ++d) {
+        gained[d] = h * scene_.gravity[d];
+    }
     for (LocalId i = 0; i < state_.n_held(); ++i) {
+        const BodyVelocity<D> u = state_.u[i];
+        state_.u_old[i] = u;
         for (int d = 0; d < D; ++d) {
-            state_.x_mid[i][d] = state_.x[i][d] + ahead * state_.u[i].v[d];
+            state_.mid[i].x[d] = state_.x[i][d] + ahead * u.v[d];
+            state_.u[i].v[d] = u.v[d] + gained[d];
         }
     }
     for (int w = 0; w < walls_.n_walls(); ++w) {
         walls_.offset_mid[w] = walls_.offset[w] + ahead * walls_.v_old[w];
-    }
-}
-
-template <int D>
-void Simulation<D>::free_velocity(double h) {
-    const auto lap = watch_.lap(Timed::predict);
-    for (LocalId i = 0; i < state_.n_held(); ++i) {
-        state_.u_old[i] = state_.u[i];
-        for (int d = 0; d < D; ++d) {
-            state_.u[i].v[d] += h * scene_.gravity[d];
-        }
     }
     place_walls();
 }
@@ -135,6 +129,7 @@ void Simulation<D>::place_walls() {
 template <int D>
 PackFaults Simulation<D>::detect(double h, bool activate_all) {
     const auto lap = watch_.lap(Timed::geometry);
+    impulses_stale_ = true;
     return contacts_.pack(state_, candidates_, walls_, h, activate_all);
 }
 
@@ -194,8 +189,8 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
         double here = 0, next = 0, jump = 0;
         for (int d = 0; d < D; ++d) {
             const double move = h * state_.u[i].v[d];
-            const double at = state_.x_mid[i][d] - state_.x_ref[i][d] + move;
-            const double from_start = state_.x_mid[i][d] - state_.x[i][d] + move;
+            const double at = state_.mid[i].x[d] - state_.x_ref[i][d] + move;
+            const double from_start = state_.mid[i].x[d] - state_.x[i][d] + move;
             here += at * at;
             next += (at + move) * (at + move);
             jump += from_start * from_start;
@@ -234,11 +229,11 @@ void Simulation<D>::integrate(double h) {
         const auto& u_old = state_.u_old[i];
         for (int d = 0; d < D; ++d) {
             state_.x[i][d] += later * u.v[d] + before * u_old.v[d];
+            state_.mid[i].x[d] = state_.x[i][d];
         }
         for (int k = 0; k < n_spin<D>; ++k) {
             state_.rotation[i][k] += (later * u.s[k] + before * u_old.s[k]) / state_.radius[i];
         }
-        state_.x_mid[i] = state_.x[i];
     }
     for (int w = 0; w < walls_.n_walls(); ++w) {
         walls_.offset[w] += later * walls_.v[w] + before * walls_.v_old[w];
@@ -247,11 +242,27 @@ void Simulation<D>::integrate(double h) {
     }
 }
 
+/// Tiles whose contacts the series report: those with grains of cells, or with walls.
+template <int D>
+void Simulation<D>::find_reported_tiles() {
+    reported_tiles_.clear();
+    for (std::size_t t = 0; t < candidates_.tiles.size(); ++t) {
+        const auto& tile = candidates_.tiles[t];
+        for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
+            const LocalId a = candidates_.a[c], b = candidates_.b[c];
+            if (b >= state_.n_held() || (state_.cells[a] | state_.cells[b]) != 0) {
+                reported_tiles_.push_back(t);
+                break;
+            }
+        }
+    }
+}
+
 /// Adds the step's impulses to what the series report.
 template <int D>
 void Simulation<D>::collect() {
     const auto lap = watch_.lap(Timed::measure);
-    for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+    for (const std::size_t t : reported_tiles_) {
         contacts_.for_each(t, [&](LocalId a, LocalId b, const Vec<D>& n, double r_n, double r_t) {
             if (b < state_.n_held() && (state_.cells[a] | state_.cells[b]) == 0) {
                 return;
@@ -286,7 +297,7 @@ void Simulation<D>::widen_margins(double h) {
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double jump = 0;
         for (int d = 0; d < D; ++d) {
-            const double from_start = state_.x_mid[i][d] - state_.x[i][d] + h * state_.u[i].v[d];
+            const double from_start = state_.mid[i].x[d] - state_.x[i][d] + h * state_.u[i].v[d];
             jump += from_start * from_start;
         }
         const double wanted = std::max(0.5 * skin_, 2 * std::sqrt(jump));
@@ -304,15 +315,18 @@ void Simulation<D>::rebuild() {
         walls_.margin[w] = std::max(0.5 * skin_, settings().h * steps * walls_.v[w].norm());
     }
     rebalance_if_due();
-    auto impulses = waiting_.empty() ? impulse_rows(state_, candidates_) : std::move(waiting_);
+    auto impulses = waiting_.empty() ? contact_rows() : std::move(waiting_);
     waiting_.clear();
     ContactMemory<D> memory;
     domain_.rebuild(state_, std::move(impulses), walls_.n_bodies(), memory);
     place_walls();
     candidates_ = find_candidates(state_, domain_.grid(), walls_, memory);
+    impulses_stale_ = false;
+    contacts_.forget();
     domain_.build_halo(state_, candidates_);
     solver_.order_tiles(candidates_);
     tile_work_.assign(candidates_.tiles.size(), 0);
+    find_reported_tiles();
     ++counters_.rebuilds;
 }
 
@@ -364,7 +378,7 @@ void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double jump = 0;
         for (int d = 0; d < D; ++d) {
-            const double move = state_.x_mid[i][d] - state_.x[i][d] + h * state_.u[i].v[d];
+            const double move = state_.mid[i].x[d] - state_.x[i][d] + h * state_.u[i].v[d];
             jump += move * move;
         }
         const bool bad = (flags & flag::not_finite) != 0 ? !std::isfinite(jump)

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -195,6 +196,140 @@ TEST(DiskContacts, ResidualOfOneContact) {
     EXPECT_NEAR(f.packed(contacts).at(1).r_t, -0.4, 1e-14);
 }
 
+/// A dense block, packed, relaxed, moved and packed again: what stayed in its batches is what a fresh packing makes, and what
+/// batches do is what the frozen order does contact by contact. Both to the bit.
+class Block : public testing::Test {
+protected:
+    static constexpr int columns = 24, rows = 12;
+
+    Block() {
+        scene.materials = {{"rock", 1}};
+        scene.laws = {{0, 0, 0.5, 0}};
+        std::vector<GrainRecord<2>> grains;
+        for (int k = 0; k < columns * rows; ++k) {
+            const int column = k / rows, row = k % rows;
+            GrainRecord<2> g;
+            g.id = (k * 37) % (columns * rows); // ids strewn over the block
+            g.x = {2 * r * column + (row % 2) * r + jitter(k), std::sqrt(3.0) * r * row + jitter(k + 1000)};
+            g.u.v = {10 * jitter(k + 2000), 10 * jitter(k + 3000)};
+            g.u.inv_m = 1 / (1 + std::abs(jitter(k)));
+            g.mass = 1 / g.u.inv_m;
+            g.radius = r;
+            g.margin = 0.2 * r;
+            grains.push_back(g);
+        }
+        const TileGrid<2> grid({0, 0}, 16 * r);
+        std::sort(grains.begin(), grains.end(), [&](const auto& p, const auto& q) {
+            const auto key = [&](const auto& g) { return grid.key(Vec<2>(g.x[0], g.x[1])); };
+            return key(p) != key(q) ? key(p) < key(q) : p.id < q.id;
+        });
+        state.assign(grains, {}, 0);
+        candidates = find_candidates(state, grid, walls, {});
+    }
+
+    /// Within 4 % of the radius: some pairs overlap, some sleep.
+    static double jitter(int k) { return 0.04 * r * (static_cast<double>((k * 7919) % 997) / 498.5 - 1); }
+
+    void move(double by) {
+        for (LocalId i = 0; i < state.n_held(); ++i) {
+            for (int d = 0; d < 2; ++d) {
+                state.mid[i].x[d] += by * state.u[i].v[d];
+            }
+            state.u_old[i] = state.u[i];
+        }
+    }
+
+    static void relax(DiskContacts& contacts, State<2>& state) {
+        for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
+            contacts.relax(t, state.u);
+        }
+    }
+
+    void expect_same(const State<2>& one, const State<2>& other) const {
+        for (LocalId i = 0; i < state.n_held(); ++i) {
+            EXPECT_EQ(one.u[i].v, other.u[i].v) << i;
+            EXPECT_EQ(one.u[i].s, other.u[i].s) << i;
+        }
+    }
+
+    Scene<2> scene;
+    const Walls<2> walls = Walls<2>(std::vector<Wall<2>>{});
+    State<2> state;
+    CandidateSet<2> candidates;
+};
+
+TEST_F(Block, BatchesThatStayAreThoseOfAFreshPacking) {
+    for (const char* kernel : {"scalar", "portable"}) {
+        DiskContacts kept(scene, disk_kernels(kernel));
+        const State<2> start = state;
+        std::int64_t least = candidates.size(), most = 0;
+        for (int step = 0; step < 12; ++step) {
+            kept.pack(state, candidates, walls, h, false);
+            auto impulses = candidates; // what the batches hold
+            kept.store(impulses);
+            DiskContacts fresh(scene, disk_kernels(kernel));
+            fresh.pack(state, impulses, walls, h, false);
+            ASSERT_EQ(kept.n_active(), fresh.n_active());
+            least = std::min(least, kept.n_active());
+            most = std::max(most, kept.n_active());
+            State<2> again = state;
+            for (int sweep = 0; sweep < 3; ++sweep) {
+                relax(kept, state);
+                relax(fresh, again);
+            }
+            expect_same(state, again);
+            ASSERT_EQ(kept.missed_any(state, candidates, walls, h), fresh.missed_any(again, impulses, walls, h));
+            move(step % 3 == 2 ? 0.5 * h : 1e-6 * h); // nothing changes for two steps, then some
+        }
+        EXPECT_LT(least, most) << "no contact came or went: the case is too easy";
+        state = start;
+    }
+}
+
+TEST_F(Block, BatchesDoWhatTheFrozenOrderDoes) {
+    DiskContacts contacts(scene, disk_kernels("portable"));
+    contacts.pack(state, candidates, walls, h, false);
+    for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
+        // Six classes or so that a batch may not straddle would leave half a batch each empty.
+        EXPECT_LE(contacts.n_batches(t), (contacts.n_active(t) + n_lanes - 1) / n_lanes + 2);
+    }
+
+    // The same law written out once more, one contact after the other in the order of candidates.
+    State<2> plain = state;
+    std::vector<Impulse<2>> r_of(static_cast<std::size_t>(candidates.size()));
+    std::map<std::pair<LocalId, LocalId>, double> bias;
+    for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
+        contacts.for_each(t, [&](LocalId a, LocalId b, const Vec<2>&, double, double) { bias[{a, b}] = 0; });
+    }
+    for (int sweep = 0; sweep < 4; ++sweep) {
+        relax(contacts, state);
+        for (std::int32_t c = 0; c < candidates.size(); ++c) {
+            const LocalId i = candidates.a[c], j = candidates.b[c];
+            if (bias.count({i, j}) == 0) {
+                continue;
+            }
+            auto &a = plain.u[i], &b = plain.u[j];
+            const double dx = plain.mid[i].x[0] - plain.mid[j].x[0], dy = plain.mid[i].x[1] - plain.mid[j].x[1];
+            const double distance = std::sqrt(dx * dx + dy * dy), nx = dx / distance, ny = dy / distance;
+            const double gap = distance - (r + r), m = 1.0 / (a.inv_m + b.inv_m);
+            const double dvx = a.v[0] - b.v[0], dvy = a.v[1] - b.v[1];
+            const double v_n = nx * dvx + ny * dvy, v_t = (nx * dvy - ny * dvx) - (a.s[0] + b.s[0]);
+            const double r_n = r_of[c].n, r_t = r_of[c].t[0];
+            const double new_n = std::max(0.0, r_n - (v_n + (gap > 0 ? gap / h : 0.0)) * m);
+            const double limit = 0.5 * new_n;
+            const double new_t = std::clamp(r_t - v_t * (m * (1.0 / 3.0)), -limit, limit);
+            const double d_n = new_n - r_n, d_t = new_t - r_t;
+            const double px = d_n * nx - d_t * ny, py = d_n * ny + d_t * nx;
+            a.v = {a.v[0] + px * a.inv_m, a.v[1] + py * a.inv_m};
+            b.v = {b.v[0] - px * b.inv_m, b.v[1] - py * b.inv_m};
+            a.s[0] -= (d_t + d_t) * a.inv_m;
+            b.s[0] -= (d_t + d_t) * b.inv_m;
+            r_of[c] = {new_n, {new_t}};
+        }
+    }
+    expect_same(state, plain);
+}
+
 /// A scene whose laws differ in friction keeps one coefficient per contact; one whose laws agree keeps none.
 TEST(DiskContacts, FrictionIsKeptPerContactOnlyWhereLawsDiffer) {
     Fixture same({0.0}, {0}), different({0.0}, {0}, 0, 0.1);
@@ -211,11 +346,11 @@ TEST(DiskContacts, ReportsTheLowestGrainThatWentThrough) {
     Fixture f({0.0}, {0});
     DiskContacts contacts(f.scene, disk_kernels("portable"));
     EXPECT_EQ(contacts.pack(f.state, f.candidates, f.walls, h, false).through_wall, PackFaults::none);
-    f.state.x_mid[0][1] = -0.1 * r;
+    f.state.mid[0].x[1] = -0.1 * r;
     const auto faults = contacts.pack(f.state, f.candidates, f.walls, h, false);
     EXPECT_EQ(faults.through_wall, 0);
     EXPECT_EQ(faults.wall, 0);
-    f.state.x_mid[0][1] = -3;
+    f.state.mid[0].x[1] = -3;
     f.state.u_old[0].v[1] = -(3 + 1.2 * r) / h; // as far as one step brings it
     EXPECT_EQ(contacts.pack(f.state, f.candidates, f.walls, h, false).through_wall, 0) << "fast";
 }

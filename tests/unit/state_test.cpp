@@ -71,7 +71,8 @@ TEST(State, RecordsSurviveTheRoundTrip) {
         EXPECT_EQ(std::memcmp(&out.u, &in.u, sizeof(in.u)), 0);
         EXPECT_EQ(std::memcmp(&state.u_old[i], &in.u, sizeof(in.u)), 0);
         EXPECT_EQ(state.x_ref[i], state.x[i]);
-        EXPECT_EQ(state.x_mid[i], state.x[i]);
+        EXPECT_EQ(state.mid[i].position(), state.x[i]);
+        EXPECT_EQ(state.mid[i].radius, state.radius[i]);
     }
     for (LocalId k = state.n_held(); k < state.n_bodies(); ++k) {
         EXPECT_EQ(state.u[k].v[0], 0);
