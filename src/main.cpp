@@ -1,4 +1,5 @@
 #include "commands/check.hpp"
+#include "commands/partitions.hpp"
 #include "commands/run.hpp"
 #include "core/error.hpp"
 #include "io/summary.hpp"
@@ -24,6 +25,7 @@ struct Arguments {
     nappe::RunOptions run;
     nappe::CostModel cost;
     int ranks = 2;
+    nappe::PartitionsOptions partitions;
 };
 
 void define(CLI::App& app, Arguments& arguments) {
@@ -52,6 +54,19 @@ void define(CLI::App& app, Arguments& arguments) {
     scene_of(check);
     check->add_option("--ranks", arguments.ranks, "estimate for this many ranks [2]");
     check->add_option("--ns", arguments.cost.ns_per_relaxation, "nanoseconds per relaxation and rank to assume");
+    auto* cut = app.add_subcommand("partitions", "cut a scene for many ranks; count what each would compute and send");
+    scene_of(cut);
+    auto& partitions = arguments.partitions;
+    cut->add_option("--parts", partitions.parts, "numbers of ranks to cut for [1,2,4 to 4096]")
+        ->type_name("P,P,...")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    cut->add_option("--scale", partitions.scale, "multiply the lengths of profile and walls [1]");
+    cut->add_option("--tile-scale", partitions.tile_scale,
+                    "and once more by this, counted by tiles: for samples too large to make");
+    cut->add_option("--samples", partitions.samples, "take the settled sample from here [the deposit]")
+        ->type_name("DIR");
+    cut->add_option("--json", partitions.json, "write the counts of every part and every message")->type_name("FILE");
 }
 
 int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& arguments) {
@@ -67,6 +82,13 @@ int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& a
         }
         world.throw_together<nappe::InputError>(error);
         return code;
+    }
+    if (app.got_subcommand("partitions")) {
+        auto& options = arguments.partitions;
+        options.scene = arguments.run.scene;
+        options.overrides = arguments.run.overrides;
+        nappe::partitions(world, options);
+        return static_cast<int>(ExitCode::done);
     }
     auto& options = arguments.run;
     if (options.out.empty()) {

@@ -9,23 +9,12 @@
 #include "core/state.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/halo.hpp"
-#include "parallel/partition.hpp"
 #include "parallel/tile_directory.hpp"
+#include "parallel/tile_graph.hpp"
 
 #include <vector>
 
 namespace nappe {
-
-/// Work of an owned tile since the last balancing, and what it shares with others.
-struct TileWork {
-    TileKey key = 0;
-    std::int64_t relaxations = 0;
-};
-
-struct TileLink {
-    TileKey a = 0, b = 0;
-    std::int64_t contacts = 0; ///< candidates between the two tiles
-};
 
 template <int D>
 class Domain {
