@@ -268,40 +268,8 @@ void Domain<D>::cut(const std::vector<TileWork>& work, const std::vector<TileLin
     if (comm_.size() == 1) {
         return;
     }
-    std::unordered_map<TileKey, std::int64_t> weight; // a tile may be reported by several ranks before the first cut
-    for (const auto& w : comm_.all_gather(work)) {
-        weight[w.key] += w.relaxations;
-    }
-    TileGraph graph;
-    for (const auto& [key, w] : weight) {
-        graph.keys.push_back(key);
-    }
-    std::sort(graph.keys.begin(), graph.keys.end());
-    std::unordered_map<TileKey, std::int32_t> vertex;
-    for (std::size_t t = 0; t < graph.keys.size(); ++t) {
-        vertex.emplace(graph.keys[t], static_cast<std::int32_t>(t));
-        graph.weight.push_back(weight[graph.keys[t]]);
-    }
-    std::unordered_map<TileKey, std::unordered_map<TileKey, std::int64_t>> shared;
-    for (const auto& link : comm_.all_gather(links)) {
-        shared[std::min(link.a, link.b)][std::max(link.a, link.b)] += link.contacts;
-    }
-    for (std::size_t t = 0; t < graph.keys.size(); ++t) {
-        for (const TileKey other : TileGrid<D>::ring(graph.keys[t])) {
-            const auto it = vertex.find(other);
-            if (it == vertex.end() || other <= graph.keys[t]) {
-                continue;
-            }
-            std::int64_t w = 1;
-            if (shared.empty()) {
-                w = std::min(graph.weight[t], graph.weight[static_cast<std::size_t>(it->second)]) / 8 + 1;
-            } else if (const auto from = shared.find(graph.keys[t]); from != shared.end()) {
-                const auto found = from->second.find(other);
-                w += found != from->second.end() ? found->second : 0;
-            }
-            graph.edges.push_back({static_cast<std::int32_t>(t), it->second, w});
-        }
-    }
+    // A tile may be reported by several ranks before the first cut.
+    const auto graph = tile_graph<D>(comm_.all_gather(work), comm_.all_gather(links));
     directory_.assign(graph.keys, partition(graph, comm_.size()));
 }
 

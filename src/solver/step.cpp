@@ -340,24 +340,10 @@ void Simulation<D>::rebalance_if_due() {
     }
     last_balance_ = counters_.steps;
     std::vector<TileWork> work;
-    std::unordered_map<TileKey, std::unordered_map<TileKey, std::int64_t>> shared;
     for (const auto& tile : candidates_.tiles) {
         work.push_back({tile.key, work_[tile.key]});
-        for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
-            if (candidates_.b[c] < state_.n_held()) {
-                const TileKey other = domain_.grid().key(state_.x_ref[candidates_.b[c]]);
-                if (other != tile.key) {
-                    ++shared[tile.key][other];
-                }
-            }
-        }
     }
-    std::vector<TileLink> links;
-    for (const auto& [a, others] : shared) {
-        for (const auto& [b, n] : others) {
-            links.push_back({a, b, n});
-        }
-    }
+    const auto links = tile_links(state_, domain_.grid(), candidates_);
     counters_.rebalanced += domain_.balance(work, links) ? 1 : 0;
     work_.clear();
 }
