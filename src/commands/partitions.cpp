@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -53,7 +54,7 @@ struct Range {
 };
 
 /// One line of the table, of a sweep.
-std::string line(std::int32_t n_parts, const PartitionCounts<2>& counts) {
+std::string line(std::int32_t n_parts, double cut_seconds, const PartitionCounts<2>& counts) {
     const auto n = counts.parts.size();
     std::vector<std::int64_t> messages(n, 0), sent(n, 0), neighbours(n, 0);
     std::vector<std::vector<std::int32_t>> heard(n);
@@ -85,20 +86,21 @@ std::string line(std::int32_t n_parts, const PartitionCounts<2>& counts) {
     }
     const double mean = std::max(work.mean, 1e-300);
     return fmt::format("{:>5} {:>9.1f} {:>11.1f} {:>9.3f} {:>9.3f} {:>9.3f} {:>7.1f} {:>4.0f} {:>9.0f} {:>8.0f} "
-                       "{:>6.2f} {:>3.0f}\n",
+                       "{:>6.2f} {:>3.0f} {:>6.2f}\n",
                        n_parts, tiles.mean, work.mean, work.most / mean, by_colour / mean,
                        interface / (mean * static_cast<double>(n)), message.mean, message.most, bytes.mean, bytes.most,
-                       neighbour.mean, neighbour.most);
+                       neighbour.mean, neighbour.most, cut_seconds);
 }
 
 constexpr const char* heading = "parts     tiles relaxations   largest by colour interface   messages         bytes   "
-                                "      neighbours\n"
+                                "      neighbours    cut\n"
                                 "         a part      a part  over mean over mean     share    mean most      mean     "
-                                "most   mean most\n";
+                                "most   mean most      s\n";
 
-nlohmann::ordered_json to_json(std::int32_t n_parts, const PartitionCounts<2>& counts) {
+nlohmann::ordered_json to_json(std::int32_t n_parts, double cut_seconds, const PartitionCounts<2>& counts) {
     nlohmann::ordered_json json;
     json["parts"] = n_parts;
+    json["cut_seconds"] = cut_seconds;
     for (const auto& part : counts.parts) {
         json["tiles"].push_back(part.tiles);
         json["grains"].push_back(part.grains);
@@ -142,10 +144,13 @@ nlohmann::ordered_json count_all(const Counted& sample, const std::vector<std::i
     json["tiles"] = sample.graph.keys.size();
     json["cuts"] = nlohmann::ordered_json::array();
     for (const auto n : parts) {
-        const auto counts = count(partition(sample.graph, n), n);
-        fmt::print("{}", line(n, counts));
+        const auto start = std::chrono::steady_clock::now();
+        const auto part = partition(sample.graph, n);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const auto counts = count(part, n);
+        fmt::print("{}", line(n, seconds, counts));
         std::fflush(stdout);
-        json["cuts"].push_back(to_json(n, counts));
+        json["cuts"].push_back(to_json(n, seconds, counts));
     }
     return json;
 }

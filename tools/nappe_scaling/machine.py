@@ -90,3 +90,25 @@ def fit_messages(measured):
     matrix = np.stack([np.ones_like(size), size], axis=1) / time[:, None]
     (latency, per_byte), *_ = np.linalg.lstsq(matrix, np.ones_like(time), rcond=None)
     return latency, 1 / per_byte, measured["messages"][0]["exchange"][0] / 2
+
+
+def with_bench(machine, path):
+    """The same machine with what `nappe bench` measured of the code: relaxations by its fastest kernel, the other
+    stages of a step, lists."""
+    try:
+        bench = json.loads(Path(path).read_text())
+        contacts = {row["grains"]: row["contacts"] for row in bench["bandwidth"]}
+        fastest = {}
+        for row in bench["kernels"]:
+            fastest[row["grains"]] = min(row["ns"], fastest.get(row["grains"], np.inf))
+        table = [
+            [machine.contact_bytes * contacts[n] + machine.grain_bytes * n, ns] for n, ns in sorted(fastest.items())
+        ]
+        stages = ("predict_ms", "geometry_ms", "integrate_ms", "check_ms", "measure_ms")
+        other = [1e-3 * sum(row[s] for s in stages) / row["grains"] for row in bench["steps"]]
+        rebuild = [1e-9 * row["rebuild_ns_per_grain"] for row in bench["memory"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise BadMachine(f"{path} holds no figures of nappe bench: {error!r}") from error
+    return dataclasses.replace(
+        machine, relaxation=table, other=float(np.median(other)), rebuild=float(np.median(rebuild))
+    )
