@@ -1,5 +1,5 @@
-"""`nappe partitions` as its users see it, and tools/scaling_model on what it wrote. Called like run_test.py; the model's
-formulas are held against cuts worked out by hand."""
+"""`nappe partitions` as its users see it, and tools/scaling_model on what it wrote. Called like run_test.py; the
+model's formulas are held against cuts worked out by hand."""
 
 import json
 import pathlib
@@ -113,7 +113,8 @@ class Model(unittest.TestCase):
         random = np.random.default_rng(1)
         for parts in (2, 5, 130):
             work = random.integers(0, 5000, (2, parts, 4)).tolist()
-            ends = {(int(a), int(c), int(b)) for a, c, b in random.integers(0, [parts, 4, parts], (6 * parts, 3)) if a != b}
+            drawn = random.integers(0, [parts, 4, parts], (6 * parts, 3)).tolist()
+            ends = {(a, c, b) for a, c, b in drawn if a != b}
             cut = made_cut(*work, [(a, c, b, 50) for a, c, b in sorted(ends)])
             one = model.sweep(cut, machine.read("cluster"))
             self.assertLessEqual(one.work, one.coupled * (1 + 1e-12))  # sums in another order

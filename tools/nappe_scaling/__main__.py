@@ -26,7 +26,8 @@ def rows_of(case, folder, chosen, sweeps):
     for name, _, index in case.runs:
         sample = counts.read(folder / f"{name}.json")[index]
         for cut in sample.cuts.values():
-            rows.append(report.Row(sample, cut, model.sweep(cut, chosen), model.step(cut, chosen, sweeps)))
+            if cut.parts >= case.least:
+                rows.append(report.Row(sample, cut, model.sweep(cut, chosen), model.step(cut, chosen, sweeps)))
     return rows
 
 
@@ -44,15 +45,16 @@ def say_case(case, arguments, chosen):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="tools/scaling_model", description="Predicts scaling from counted partitions.")
+    parser = argparse.ArgumentParser(prog="tools/scaling_model", description="Predicts scaling from counts.")
     parser.add_argument("--counts", type=Path, default=Path("out/scaling"), help="folder of the counts (out/scaling)")
     parser.add_argument("--nappe", help="the program that makes the counts which are not there yet")
-    parser.add_argument("--machine", default="cluster", help="cluster, here, or a file like those in machines (cluster)")
+    parser.add_argument("--machine", default="cluster", help="cluster, here, or a file like theirs (cluster)")
     parser.add_argument("--bench", type=Path, help="costs of relaxations, steps and lists from nappe bench --json FILE")
+    parser.add_argument("--speed-up", type=float, default=1.0, help="relaxations in cache so many times faster (1)")
     parser.add_argument("--sweeps", type=int, default=100, help="of a step (100)")
     parser.add_argument("--cases", type=names, default=[case.name for case in CASES], help="some, with commas between")
     parser.add_argument("--pictures", type=Path, help="folder for a picture a case")
-    parser.add_argument("--fit", type=Path, help="print latency, bandwidth, overhead of what benchmark.ping_pong printed")
+    parser.add_argument("--fit", type=Path, help="print what fits the times of benchmark.ping_pong")
     arguments = parser.parse_args()
     try:
         if arguments.fit:
@@ -62,6 +64,9 @@ def main():
         chosen = machine.read(arguments.machine)
         if arguments.bench:
             chosen = machine.with_bench(chosen, arguments.bench)
+        if not arguments.speed_up > 0:
+            raise ValueError(f"--speed-up must be > 0, found {arguments.speed_up}; 2 halves the time of a relaxation")
+        chosen.relaxation = [[size, ns / arguments.speed_up] for size, ns in chosen.relaxation]
         style.apply()
         for case in CASES:
             if case.name in arguments.cases:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import subprocess
+import sys
 from pathlib import Path
 
 FOLD = Path(__file__).resolve().parents[2] / "jobs" / "fold.toml"
@@ -12,12 +13,13 @@ WEAK_PARTS = [1, 2, 8, 64, 512, 4096]
 
 @dataclasses.dataclass
 class Case:
-    """A picture and a table. Each of `runs` is (JSON's name, arguments of nappe partitions, index of the sample in it)."""
+    """A picture and a table. Each of `runs`: JSON's name, arguments of nappe partitions, index of the sample in it."""
 
     name: str
     title: str
     runs: list
     weak: bool = False
+    least: int = 1  # ranks of the first row, against which efficiency counts
 
 
 def _lengths(grains):
@@ -42,7 +44,13 @@ CASES = [
     Case("fold-small-tiles", "the fold on tiles of 4.5 m", [("fold-small-tiles", _SMALL_TILES, 0)]),
     Case("1m", "the fold scaled to 1 million grains", [("1m", [*_MILLION, "--tile-scale", "10"], 0)]),
     Case("1m-small-tiles", "1 million grains on tiles of 4.5 m", [("1m-small-tiles", [*_MILLION, *_SMALL_TILES], 0)]),
-    Case("100m", "the fold scaled to 100 million grains, counted by tiles", [("1m", [*_MILLION, "--tile-scale", "10"], 2)]),
+    # From one full node on: a single rank would have all of a node's memory for itself.
+    Case(
+        "100m",
+        "the fold scaled to 100 million grains, counted by tiles",
+        [("1m", [*_MILLION, "--tile-scale", "10"], 2)],
+        least=64,
+    ),
     Case("weak-10k", "10,000 grains per rank, counted by tiles", _weak(10000), weak=True),
     Case("weak-43k", "43,000 grains per rank, counted by tiles", _weak(43000), weak=True),
 ]
@@ -54,4 +62,5 @@ def make_counts(case, folder, nappe):
     for name, arguments, _ in case.runs:
         path = folder / f"{name}.json"
         if not path.exists():
-            subprocess.run([nappe, "partitions", str(FOLD), *arguments, "--json", str(path)], check=True)
+            command = [nappe, "partitions", str(FOLD), *arguments, "--json", str(path)]
+            subprocess.run(command, check=True, stdout=sys.stderr)  # stdout is the report's

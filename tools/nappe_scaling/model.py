@@ -60,7 +60,7 @@ def sweep(cut, machine):
     first = SWEEPS_SIMULATED // 3
     coupled = (ends[-1] - ends[first - 1]) / (SWEEPS_SIMULATED - first)
     relaxing = pieces.relaxing.sum(axis=1).mean()
-    return Sweep(own.sum(axis=1).max(), coupled, barrier, 1 - relaxing / coupled)
+    return Sweep(own.sum(axis=1).max(), coupled, barrier, max(0.0, 1 - relaxing / coupled))
 
 
 @dataclasses.dataclass

@@ -30,7 +30,8 @@ def efficiency(rows, weak, seconds):
 
 def table(rows, weak):
     lines = [
-        "| ranks | grains a rank | imbalance | messages, most | bytes, most | sweep | bounds | exposed | step | efficiency |",
+        "| ranks | grains a rank | imbalance | messages, most | bytes, most | sweep | bounds | exposed | step | "
+        "efficiency |",
         "| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for row, part in zip(rows, efficiency(rows, weak, lambda r: r.step.total)):
