@@ -72,6 +72,9 @@ def made_cut(interface, interior, messages):
 
 
 class Model(unittest.TestCase):
+    def assert_close(self, found, expected):
+        self.assertAlmostEqual(found / expected, 1, places=9)  # sums of a few terms: round-off is far below
+
     def machine(self, **fields):
         """1 ns a relaxation, 1 µs a message, nothing else costs anything."""
         free = {"relaxation": [[1, 1.0], [1e12, 1.0]], "near_latency": 1e-6, "near_bandwidth": 1e30, "overhead": 0}
@@ -83,31 +86,32 @@ class Model(unittest.TestCase):
         cut = made_cut([[0, 0, 0, 0]], [[1000, 2000, 3000, 4000]], [])
         one = model.sweep(cut, self.machine())
         for seconds in (one.work, one.coupled, one.barrier):
-            self.assertAlmostEqual(seconds, 10e-6)
+            self.assert_close(seconds, 10e-6)
         self.assertAlmostEqual(one.exposed, 0)
-        self.assertAlmostEqual(model.step(cut, self.machine(), 100).total, 101 * 10e-6)
+        self.assert_close(model.step(cut, self.machine(), 100).total, 101 * 10e-6)
 
     def test_interior_work_hides_a_message_or_not(self):
         messages = [(0, 0, 1, 10), (1, 0, 0, 10)]
         hidden = made_cut([[500, 0, 0, 0]] * 2, [[1500, 0, 0, 0]] * 2, messages)
-        self.assertAlmostEqual(model.sweep(hidden, self.machine()).coupled, 2e-6)
+        self.assert_close(model.sweep(hidden, self.machine()).coupled, 2e-6)
         shown = made_cut([[500, 0, 0, 0]] * 2, [[400, 0, 0, 0]] * 2, messages)
         one = model.sweep(shown, self.machine())
-        self.assertAlmostEqual(one.coupled, 1.5e-6)
-        self.assertAlmostEqual(one.work, 0.9e-6)
-        self.assertAlmostEqual(one.exposed, 0.4)
+        self.assert_close(one.coupled, 1.5e-6)
+        self.assert_close(one.work, 0.9e-6)
+        self.assert_close(one.exposed, 0.4)
         slow = self.machine(near_bandwidth=1e9)  # 240 bytes take 0.24 µs
-        self.assertAlmostEqual(model.sweep(shown, slow).coupled, 1.74e-6)
+        self.assert_close(model.sweep(shown, slow).coupled, 1.74e-6)
         busy = self.machine(overhead=0.1e-6, pack=1e-9)  # before: 0.2 + 0.24, after: 0.1 + 0.24 µs
-        self.assertAlmostEqual(model.sweep(shown, busy).coupled, 1.5e-6 + 0.78e-6)
+        self.assert_close(model.sweep(shown, busy).coupled, 1.5e-6 + 0.78e-6)
+        self.assert_close(model.sweep(shown, busy).work, 0.9e-6 + 0.78e-6)
 
     def test_ranks_wait_for_neighbours_and_not_for_all(self):
         # Work of one colour on one rank, of the next on the other: only barriers would add the two up.
         cut = made_cut([[0] * 4] * 2, [[3000, 0, 0, 0], [0, 3000, 0, 0]], [])
         one = model.sweep(cut, self.machine())
-        self.assertAlmostEqual(one.work, 3e-6)
-        self.assertAlmostEqual(one.coupled, 3e-6)
-        self.assertAlmostEqual(one.barrier, 6e-6)
+        self.assert_close(one.work, 3e-6)
+        self.assert_close(one.coupled, 3e-6)
+        self.assert_close(one.barrier, 6e-6)
 
     def test_bounds_enclose_the_model(self):
         random = np.random.default_rng(1)
@@ -123,14 +127,14 @@ class Model(unittest.TestCase):
     def test_beyond_the_cache_the_node_shares_its_memory(self):
         cut = made_cut([[0] * 4] * 2, [[1000] * 4] * 2, [])
         shared = self.machine(node_cache=1, node_memory_bandwidth=100e9, traffic=100)
-        self.assertAlmostEqual(model.sweep(cut, shared).coupled, 4000 * 2e-9)  # 2 ranks on 100 B/ns, 100 B each
+        self.assert_close(model.sweep(cut, shared).coupled, 4000 * 2e-9)  # 2 ranks on 100 B/ns, 100 B each
 
     def test_messages_are_fitted(self):
         rows = [{"bytes": b, "one_way": [1e-6 + b / 2e9] * 2, "exchange": [4e-7] * 2} for b in (8, 1000, 100000)]
         latency, bandwidth, overhead = machine.fit_messages({"messages": rows})
-        self.assertAlmostEqual(latency, 1e-6)
+        self.assert_close(latency, 1e-6)
         self.assertAlmostEqual(bandwidth / 2e9, 1)
-        self.assertAlmostEqual(overhead, 2e-7)
+        self.assert_close(overhead, 2e-7)
 
 
 if __name__ == "__main__":
