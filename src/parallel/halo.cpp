@@ -1,28 +1,32 @@
 #include "parallel/halo.hpp"
 
-#include "core/error.hpp"
+#include "core/mix.hpp"
 
 #include <algorithm>
-#include <unordered_map>
+#include <cstdio>
+#include <cstring>
+#include <tuple>
 
 namespace nappe {
 
 namespace {
 
 constexpr int halo_tag = 21;
+constexpr int tell_tag = halo_tag - 1;
 
-/// A request to hear of a grain after a colour.
-struct Subscription {
-    GlobalId id;
-    std::int32_t colour;
-    std::int32_t padding = 0;
-};
+/// What two ranks tell each other about the grains they share starts with a check that they mean the same ones.
+using IdCheck = std::uint64_t;
+
+void start_all(std::span<MPI_Request> requests) {
+    if (!requests.empty()) { // Open MPI 4.1 aborts on none
+        MPI_Startall(static_cast<int>(requests.size()), requests.data());
+    }
+}
 
 } // namespace
 
 template <int D>
-void Holders<D>::find(TileKey tile, const Vec<D>& x_ref, double range, std::vector<int>& ranks) {
-    ranks.clear();
+bool Holders<D>::any_near(TileKey tile) {
     if (!known_ || tile != last_) {
         known_ = true;
         last_ = tile;
@@ -33,7 +37,13 @@ void Holders<D>::find(TileKey tile, const Vec<D>& x_ref, double range, std::vect
             any_ = any_ || (owner_[k] >= 0 && owner_[k] != rank_);
         }
     }
-    if (!any_) {
+    return any_;
+}
+
+template <int D>
+void Holders<D>::find(TileKey tile, const Vec<D>& x_ref, double range, std::vector<int>& ranks) {
+    ranks.clear();
+    if (!any_near(tile)) {
         return;
     }
     for (std::size_t k = 0; k < ring_.size(); ++k) {
@@ -48,41 +58,102 @@ void Holders<D>::find(TileKey tile, const Vec<D>& x_ref, double range, std::vect
 template <int D>
 void Halo<D>::build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
                     CandidateSet<D>& candidates) {
-    for (int c = 0; c < n_tile_colours<D>; ++c) {
-        sends_[c].clear();
-        receives_[c].clear();
-    }
+    release();
     for (auto& tile : candidates.tiles) {
         tile.interface = false;
     }
     if (comm_.size() == 1) {
         return;
     }
+    find_shared(state, grid, directory, range_max, candidates);
+    find_neighbours();
+    mark_touched(state.n_held(), candidates);
+    tell_neighbours();
+    lay_out(sends_, &Neighbour::out);
+    lay_out(receives_, &Neighbour::in);
+    make_requests();
+}
 
-    // Other holders of every held grain, as a CSR table.
+/// Requests are kept from one rebuild to the next; what they still send must be out before they go.
+template <int D>
+void Halo<D>::release() {
+    MPI_Waitall(static_cast<int>(sends_.requests.size()), sends_.requests.data(), MPI_STATUSES_IGNORE);
+    for (auto* way : {&sends_, &receives_}) {
+        for (auto& request : way->requests) {
+            MPI_Request_free(&request);
+        }
+        way->clear();
+    }
+}
+
+template <int D>
+void Halo<D>::find_shared(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory,
+                          double range_max, const CandidateSet<D>& candidates) {
+    shared_.clear();
+    holder_.clear();
     Holders<D> holders(grid, directory, comm_.rank());
-    std::vector<std::int32_t> begin(static_cast<std::size_t>(state.n_held()) + 1, 0);
-    std::vector<int> all, ranks;
-    std::unordered_map<GlobalId, LocalId> row_of; // of the grains that somebody else holds too
-    for (LocalId i = 0; i < state.n_held(); ++i) {
-        holders.find(grid.key(state.x_ref[i]), state.x_ref[i], state.radius[i] + state.margin[i] + range_max, ranks);
-        all.insert(all.end(), ranks.begin(), ranks.end());
-        begin[static_cast<std::size_t>(i) + 1] = static_cast<std::int32_t>(all.size());
+    std::vector<int> ranks;
+    const auto look_at = [&](TileKey tile, LocalId i) {
+        holders.find(tile, state.x_ref[i], state.radius[i] + state.margin[i] + range_max, ranks);
         if (!ranks.empty()) {
-            row_of.emplace(state.id[i], i);
+            const auto begin = static_cast<std::int32_t>(holder_.size());
+            holder_.insert(holder_.end(), ranks.begin(), ranks.end());
+            shared_.push_back({tile, state.id[i], i, begin, static_cast<std::int32_t>(holder_.size())});
+        }
+    };
+    for (const auto& tile : candidates.tiles) {
+        if (holders.any_near(tile.key)) { // else none of its grains need be looked at: most tiles of a large share
+            for (LocalId i = tile.grains_begin; i < tile.grains_end; ++i) {
+                look_at(tile.key, i);
+            }
         }
     }
+    for (LocalId i = state.n_own; i < state.n_held(); ++i) {
+        look_at(grid.key(state.x_ref[i]), i);
+    }
+    std::sort(shared_.begin(), shared_.end(),
+              [](const Shared& p, const Shared& q) { return std::tie(p.tile, p.id) < std::tie(q.tile, q.id); });
+}
 
-    // What tiles of each colour touch, once per rank, colour and grain.
-    const auto n_ranks = static_cast<std::size_t>(comm_.size());
-    std::vector<std::vector<Subscription>> told(n_ranks);
+template <int D>
+void Halo<D>::find_neighbours() {
+    auto ranks = holder_;
+    std::sort(ranks.begin(), ranks.end());
+    ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+    near_.resize(ranks.size());
+    for (std::size_t n = 0; n < near_.size(); ++n) {
+        near_[n].rank = ranks[n];
+        near_[n].common.clear();
+    }
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+        for (auto h = shared_[k].ranks_begin; h < shared_[k].ranks_end; ++h) {
+            const auto n = std::lower_bound(ranks.begin(), ranks.end(), holder_[static_cast<std::size_t>(h)]);
+            near_[static_cast<std::size_t>(n - ranks.begin())].common.push_back(static_cast<std::int32_t>(k));
+        }
+    }
+}
+
+template <int D>
+void Halo<D>::mark_touched(LocalId n_held, CandidateSet<D>& candidates) {
+    touched_.assign(shared_.size(), 0);
+    shared_of_row_.assign(static_cast<std::size_t>(n_held), -1);
+    std::vector<TileKey> tiles; // that hold shared grains, ascending
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+        shared_of_row_[static_cast<std::size_t>(shared_[k].row)] = static_cast<std::int32_t>(k);
+        if (tiles.empty() || tiles.back() != shared_[k].tile) {
+            tiles.push_back(shared_[k].tile);
+        }
+    }
     for (auto& tile : candidates.tiles) {
+        const auto ring = TileGrid<D>::ring(tile.key);
+        if (std::none_of(ring.begin(), ring.end(),
+                         [&](TileKey key) { return std::binary_search(tiles.begin(), tiles.end(), key); })) {
+            continue;
+        }
+        const auto bit = static_cast<ColourBits>(1u << tile.colour);
         const auto touch = [&](LocalId i) {
-            if (i >= state.n_held()) {
-                return;
-            }
-            for (auto k = begin[i]; k < begin[i + 1]; ++k) {
-                told[static_cast<std::size_t>(all[k])].push_back({state.id[i], tile.colour});
+            if (i < n_held && shared_of_row_[static_cast<std::size_t>(i)] >= 0) {
+                touched_[static_cast<std::size_t>(shared_of_row_[static_cast<std::size_t>(i)])] |= bit;
                 tile.interface = true;
             }
         };
@@ -91,99 +162,126 @@ void Halo<D>::build(const State<D>& state, const TileGrid<D>& grid, const TileDi
             touch(candidates.b[c]);
         }
     }
-    for (auto& list : told) {
-        const auto before = [](const auto& p, const auto& q) {
-            return p.colour != q.colour ? p.colour < q.colour : p.id < q.id;
-        };
-        const auto same = [](const auto& p, const auto& q) { return p.colour == q.colour && p.id == q.id; };
-        std::sort(list.begin(), list.end(), before);
-        list.erase(std::unique(list.begin(), list.end(), same), list.end());
-    }
-    const auto heard = comm_.exchange(told);
+}
 
-    std::string lost;
-    const auto link_up = [&](const std::vector<std::vector<Subscription>>& lists, auto& links) {
-        for (std::size_t r = 0; r < n_ranks; ++r) {
-            for (const auto& s : lists[r]) {
-                auto& of_colour = links[static_cast<std::size_t>(s.colour)];
-                if (of_colour.empty() || of_colour.back().rank != static_cast<int>(r)) {
-                    of_colour.push_back({static_cast<int>(r), {}, {}});
+/// Both sides know the grains they share and their order, so a byte for each says all: after which colours to expect it.
+template <int D>
+void Halo<D>::tell_neighbours() {
+    std::vector<MPI_Request> requests;
+    for (auto& to : near_) {
+        const auto size = sizeof(IdCheck) + to.common.size();
+        to.in.resize(size);
+        to.out.resize(size);
+        IdCheck check = to.common.size();
+        for (std::size_t k = 0; k < to.common.size(); ++k) {
+            const auto s = static_cast<std::size_t>(to.common[k]);
+            check = mix(check, static_cast<std::uint64_t>(shared_[s].id));
+            to.out[sizeof(IdCheck) + k] = static_cast<std::byte>(touched_[s]);
+        }
+        std::memcpy(to.out.data(), &check, sizeof(check));
+        MPI_Irecv(to.in.data(), static_cast<int>(size), MPI_BYTE, to.rank, tell_tag, comm_.handle(),
+                  &requests.emplace_back());
+        MPI_Isend(to.out.data(), static_cast<int>(size), MPI_BYTE, to.rank, tell_tag, comm_.handle(),
+                  &requests.emplace_back());
+    }
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    for (const auto& from : near_) {
+        if (!std::equal(from.in.begin(), from.in.begin() + sizeof(IdCheck), from.out.begin())) {
+            // Only this rank may know of it; a halo that is wrong would spoil results without a word.
+            std::fprintf(stderr,
+                         "halo: ranks %d and %d do not agree on the grains they share; this is a bug in nappe\n",
+                         comm_.rank(), from.rank);
+            comm_.abort(1);
+        }
+    }
+}
+
+template <int D>
+void Halo<D>::lay_out(Way& way, std::vector<std::byte> Neighbour::*told) const {
+    for (int colour = 0; colour < n_colours; ++colour) {
+        way.first[static_cast<std::size_t>(colour)] = way.rank.size();
+        for (const auto& with : near_) {
+            const auto before = way.rows.size();
+            const std::byte* bits = (with.*told).data() + sizeof(IdCheck);
+            for (std::size_t k = 0; k < with.common.size(); ++k) {
+                if ((std::to_integer<unsigned>(bits[k]) >> colour & 1u) != 0) {
+                    way.rows.push_back(shared_[static_cast<std::size_t>(with.common[k])].row);
                 }
-                const auto it = row_of.find(s.id);
-                if (it == row_of.end()) {
-                    lost = "halo: grain " + std::to_string(s.id) + " is sent by rank " + std::to_string(r) +
-                           " but not held here; this is a bug in nappe";
-                    continue;
-                }
-                of_colour.back().rows.push_back(it->second);
             }
-            for (auto& of_colour : links) {
-                if (!of_colour.empty() && of_colour.back().rank == static_cast<int>(r)) {
-                    of_colour.back().buffer.resize(of_colour.back().rows.size() * n_values);
-                }
+            if (way.rows.size() > before) {
+                way.rank.push_back(with.rank);
+                way.row_begin.push_back(static_cast<std::int32_t>(before));
+            }
+        }
+    }
+    way.first.back() = way.rank.size();
+    way.row_begin.push_back(static_cast<std::int32_t>(way.rows.size()));
+    way.values.resize(way.rows.size() * n_values);
+}
+
+template <int D>
+void Halo<D>::make_requests() {
+    const auto for_each_message = [](Way& way, auto&& make) {
+        way.requests.resize(way.rank.size());
+        for (int colour = 0; colour < n_colours; ++colour) {
+            const auto c = static_cast<std::size_t>(colour);
+            for (auto m = way.first[c]; m < way.first[c + 1]; ++m) {
+                make(way.values.data() + n_values * way.row_begin[m],
+                     n_values * (way.row_begin[m + 1] - way.row_begin[m]), way.rank[m], halo_tag + colour,
+                     &way.requests[m]);
             }
         }
     };
-    link_up(told, sends_);
-    link_up(heard, receives_);
-    comm_.template throw_together<SystemError>(lost);
+    for_each_message(sends_, [&](double* values, int n, int rank, int tag, MPI_Request* request) {
+        MPI_Send_init(values, n, MPI_DOUBLE, rank, tag, comm_.handle(), request);
+    });
+    for_each_message(receives_, [&](double* values, int n, int rank, int tag, MPI_Request* request) {
+        MPI_Recv_init(values, n, MPI_DOUBLE, rank, tag, comm_.handle(), request);
+    });
 }
 
 template <int D>
 void Halo<D>::start(int colour, const std::vector<BodyVelocity<D>>& u) {
-    requests_.clear();
-    arriving_ = &receives_[static_cast<std::size_t>(colour)];
-    for (auto& link : *arriving_) {
-        MPI_Irecv(link.buffer.data(), static_cast<int>(link.buffer.size()), MPI_DOUBLE, link.rank, halo_tag + colour,
-                  comm_.handle(), &requests_.emplace_back());
+    colour_ = colour;
+    if (colour == 0) {
+        start_all(receives_.requests);
     }
-    for (auto& link : sends_[static_cast<std::size_t>(colour)]) {
-        double* out = link.buffer.data();
-        for (const LocalId i : link.rows) {
-            for (const double v : u[i].v) {
-                *out++ = v;
-            }
-            for (const double s : u[i].s) {
-                *out++ = s;
-            }
-        }
-        MPI_Isend(link.buffer.data(), static_cast<int>(link.buffer.size()), MPI_DOUBLE, link.rank, halo_tag + colour,
-                  comm_.handle(), &requests_.emplace_back());
-        traffic_.messages_sent += 1;
-        traffic_.bytes_sent += static_cast<std::int64_t>(link.buffer.size() * sizeof(double));
+    const auto requests = sends_.requests_of(colour);
+    if (requests.empty()) {
+        return;
     }
+    // Sent in the pass before: out long since, but only now must its buffer be free.
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    double* out = sends_.values_of(colour);
+    const auto rows = sends_.rows_of(colour);
+    for (const LocalId i : rows) {
+        out = std::copy(u[i].v.begin(), u[i].v.end(), out);
+        out = std::copy(u[i].s.begin(), u[i].s.end(), out);
+    }
+    start_all(requests);
+    traffic_.messages_sent += static_cast<std::int64_t>(requests.size());
+    traffic_.bytes_sent += static_cast<std::int64_t>(rows.size() * n_values * sizeof(double));
 }
 
 template <int D>
 void Halo<D>::finish(std::vector<BodyVelocity<D>>& u) {
-    if (requests_.empty()) {
+    const auto requests = receives_.requests_of(colour_);
+    if (requests.empty()) {
         return;
     }
-    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
-    for (const auto& link : *arriving_) {
-        const double* in = link.buffer.data();
-        for (const LocalId i : link.rows) {
-            for (double& v : u[i].v) {
-                v = *in++;
-            }
-            for (double& s : u[i].s) {
-                s = *in++;
-            }
-        }
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    const double* in = receives_.values_of(colour_);
+    for (const LocalId i : receives_.rows_of(colour_)) {
+        std::copy_n(in, D, u[i].v.begin());
+        std::copy_n(in + D, n_spin<D>, u[i].s.begin());
+        in += n_values;
     }
-    requests_.clear();
 }
 
 template <int D>
 HaloTraffic Halo<D>::per_sweep() const {
-    HaloTraffic one;
-    for (const auto& links : sends_) {
-        for (const auto& link : links) {
-            one.messages_sent += 1;
-            one.bytes_sent += static_cast<std::int64_t>(link.buffer.size() * sizeof(double));
-        }
-    }
-    return one;
+    return {static_cast<std::int64_t>(sends_.rank.size()),
+            static_cast<std::int64_t>(sends_.values.size() * sizeof(double))};
 }
 
 template class Holders<2>;

@@ -3,7 +3,7 @@
 // rank that has a row for it — its owner, and every rank one of whose tiles lies within reach of the grain. After each
 // tile colour a rank *sends* the velocities that its tiles of that colour changed to the grains' other holders, and
 // *receives* the like. In one colour a grain is changed by at most one tile, so every row has at most one sender and
-// copies are equal after each colour.
+// copies are equal after each colour. A *neighbour* is another holder of some grain held here; the relation is mutual.
 
 #include "core/contact_set.hpp"
 #include "core/state.hpp"
@@ -11,6 +11,7 @@
 #include "parallel/tile_directory.hpp"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace nappe {
@@ -21,6 +22,9 @@ class Holders {
 public:
     Holders(const TileGrid<D>& grid, const TileDirectory& directory, int rank)
         : grid_(grid), directory_(directory), rank_(rank) {}
+
+    /// Local. Whether another rank owns this tile or one around it: if not, nobody else holds the grains in it.
+    bool any_near(TileKey tile);
 
     /// Local. @param tile of the grain @param x_ref its position [m] @param range radius + margin of the grain plus the
     /// largest radius + margin of all grains [m]. Fills `ranks` in ascending order, without this rank.
@@ -48,17 +52,22 @@ template <int D>
 class Halo {
 public:
     explicit Halo(const Communicator& comm) : comm_(comm) {}
+    ~Halo() { release(); }
+    Halo(const Halo&) = delete;
+    Halo& operator=(const Halo&) = delete;
 
     /// **Collective.** From the candidates of owned tiles, who has to hear of what after which colour; marks interface
-    /// tiles.
+    /// tiles. Talks to neighbours only. Pre: no pass is under way.
     /// @param range_max largest radius + margin of all grains [m].
     void build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
                CandidateSet<D>& candidates);
 
-    /// Starts to send what the interface tiles of `colour` have changed, and to receive. Local (non-blocking).
+    /// Starts to send what the interface tiles of `colour` have changed, and to receive. Local (non-blocking). A pass
+    /// is start and finish of every colour in ascending order; receives of all colours are posted as it begins, so that
+    /// a message never waits for its receiver to ask.
     void start(int colour, const std::vector<BodyVelocity<D>>& u);
 
-    /// Waits for it and writes what came into u.
+    /// Waits for what others send after the colour started last, and writes it into u.
     void finish(std::vector<BodyVelocity<D>>& u);
 
     const HaloTraffic& traffic() const { return traffic_; }
@@ -67,18 +76,74 @@ public:
     HaloTraffic per_sweep() const;
 
 private:
-    static constexpr int n_values = D + n_spin<D>;
+    static constexpr int n_colours = n_tile_colours<D>;
+    static constexpr int n_values = D + n_spin<D>; // of a grain, the leading doubles of BodyVelocity
+    using ColourBits = std::uint8_t;               // bit c: touched by a tile of colour c
+    static_assert(n_colours <= 8);
 
-    struct Link { ///< with one other rank, for one colour
-        int rank = 0;
-        std::vector<LocalId> rows; ///< by GlobalId
-        std::vector<double> buffer;
+    /// A grain that others hold too, in an order that all its holders agree on.
+    struct Shared {
+        TileKey tile;
+        GlobalId id;
+        LocalId row;
+        std::int32_t ranks_begin, ranks_end; ///< into holder_
+    };
+    /// Another holder, and the grains held by both.
+    struct Neighbour {
+        int rank;
+        std::vector<std::int32_t> common; ///< into shared_
+        std::vector<std::byte> out, in;   ///< what each tells the other: a check of the ids, ColourBits of each grain
+    };
+    /// All that goes one way: rows by (colour, neighbour, shared grain), their values in one buffer, a request for each
+    /// message. Messages of colour c are [first[c], first[c + 1]), their rows [row_begin[m], row_begin[m + 1]).
+    struct Way {
+        std::vector<LocalId> rows;
+        std::vector<double> values;
+        std::vector<std::int32_t> row_begin;
+        std::vector<int> rank;
+        std::vector<MPI_Request> requests;
+        std::array<std::size_t, n_colours + 1> first{};
+
+        void clear() { // keeps its memory for the next rebuild
+            rows.clear();
+            values.clear();
+            row_begin.clear();
+            rank.clear();
+            requests.clear();
+            first.fill(0);
+        }
+
+        std::span<MPI_Request> requests_of(int colour) {
+            const auto c = static_cast<std::size_t>(colour);
+            return std::span(requests).subspan(first[c], first[c + 1] - first[c]);
+        }
+        std::span<const LocalId> rows_of(int colour) const {
+            const auto c = static_cast<std::size_t>(colour);
+            return std::span(rows).subspan(static_cast<std::size_t>(row_begin[first[c]]),
+                                           static_cast<std::size_t>(row_begin[first[c + 1]] - row_begin[first[c]]));
+        }
+        double* values_of(int colour) {
+            return values.data() + n_values * row_begin[first[static_cast<std::size_t>(colour)]];
+        }
     };
 
+    void release();
+    void find_shared(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
+                     const CandidateSet<D>& candidates);
+    void find_neighbours();
+    void mark_touched(LocalId n_held, CandidateSet<D>& candidates);
+    void tell_neighbours();
+    void lay_out(Way& way, std::vector<std::byte> Neighbour::*told) const;
+    void make_requests();
+
     const Communicator& comm_;
-    std::array<std::vector<Link>, n_tile_colours<D>> sends_, receives_;
-    std::vector<MPI_Request> requests_;
-    std::vector<Link>* arriving_ = nullptr;
+    std::vector<Shared> shared_;              ///< by (tile, id)
+    std::vector<int> holder_;                 ///< other ranks of each shared grain
+    std::vector<Neighbour> near_;             ///< by rank
+    std::vector<ColourBits> touched_;         ///< by own tiles, for each shared grain
+    std::vector<std::int32_t> shared_of_row_; ///< -1: nobody else holds it
+    Way sends_, receives_;
+    int colour_ = 0; ///< started last
     HaloTraffic traffic_;
 };
 
