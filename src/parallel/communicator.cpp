@@ -168,4 +168,18 @@ std::string Communicator::first_error(const std::string& error) const {
     return text;
 }
 
+PendingMax::~PendingMax() {
+    MPI_Wait(&request_, MPI_STATUS_IGNORE); // at once if none is under way
+}
+
+void PendingMax::start(const Communicator& comm, double value) {
+    value_ = value;
+    MPI_Iallreduce(MPI_IN_PLACE, &value_, 1, MPI_DOUBLE, MPI_MAX, comm.handle(), &request_);
+}
+
+double PendingMax::take() {
+    MPI_Wait(&request_, MPI_STATUS_IGNORE);
+    return value_;
+}
+
 } // namespace nappe

@@ -112,4 +112,23 @@ private:
     int size_ = 1;
 };
 
+/// A maximum over ranks that is formed while they do other things. All ranks start and take theirs in the same order.
+class PendingMax {
+public:
+    PendingMax() = default;
+    ~PendingMax();
+    PendingMax(const PendingMax&) = delete;
+    PendingMax& operator=(const PendingMax&) = delete;
+
+    /// **Collective**, does not wait. Pre: none is under way. @param value a number: NaN must have been flagged before
+    void start(const Communicator& comm, double value);
+
+    /// **Collective**, waits. The largest of the values. Pre: started.
+    double take();
+
+private:
+    double value_ = 0; // MPI writes here until taken
+    MPI_Request request_ = MPI_REQUEST_NULL;
+};
+
 } // namespace nappe

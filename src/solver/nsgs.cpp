@@ -2,6 +2,7 @@
 
 #include "core/exact_sum.hpp"
 
+#include <chrono>
 #include <cmath>
 
 namespace nappe {
@@ -47,21 +48,66 @@ void Nsgs<D>::warm_start(const ContactsOf<D>& contacts, Halo<D>& halo, std::vect
 template <int D>
 SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
                            const SolverSettings& settings, int sweeps, double scale) {
-    SolveReport report;
     const int most = settings.tolerance ? settings.max_sweeps : sweeps;
-    while (report.sweeps < most) {
-        pass(halo, u, [&](std::size_t t) { contacts.relax(t, u); });
+    const Task task{contacts, halo, u, settings, sweeps, most, scale > 0 ? scale : 1.0};
+    SolveReport report;
+    bool within = false;
+    while (report.sweeps < most && !within) {
+        sweep(task, time_tiles_ && report.sweeps == 0);
         ++report.sweeps;
         report.relaxations += contacts.n_active();
-        if (settings.tolerance && report.sweeps >= sweeps &&
-            (report.sweeps % settings.check_every == 0 || report.sweeps == most)) {
-            report.converged = residual(contacts, u, scale).largest <= *settings.tolerance;
-            if (report.converged) {
-                break;
-            }
+        within = settings.tolerance && stops_after(report.sweeps, task);
+    }
+    if (settings.tolerance && !within) { // no sweep left to hide this one behind
+        within = std::sqrt(comm_.max(largest_squared(task))) / task.unit <= *settings.tolerance;
+    }
+    report.converged = within || !settings.tolerance;
+    return report;
+}
+
+template <int D>
+void Nsgs<D>::sweep(const Task& task, bool timed) {
+    if (!timed) {
+        pass(task.halo, task.u, [&](std::size_t t) { task.contacts.relax(t, task.u); });
+        return;
+    }
+    using Clock = std::chrono::steady_clock;
+    tile_seconds_.resize(task.contacts.n_tiles());
+    pass(task.halo, task.u, [&](std::size_t t) {
+        const auto start = Clock::now();
+        task.contacts.relax(t, task.u);
+        tile_seconds_[t] = std::chrono::duration<double>(Clock::now() - start).count();
+    });
+}
+
+/// Whether sweep k is the last: one check is under way at a time, since the lag is no longer than the time between two.
+template <int D>
+bool Nsgs<D>::stops_after(int k, const Task& task) {
+    const int lag = check_lag(task.settings);
+    const auto is_checked = [&](int sweep) {
+        return sweep >= task.least && sweep % task.settings.check_every == 0 && sweep + lag <= task.most;
+    };
+    if (is_checked(k - lag)) {
+        const auto lap = watch_.lap(Timed::exchange);
+        if (std::sqrt(agreeing_.take()) / task.unit <= *task.settings.tolerance) {
+            return true;
         }
     }
-    return report;
+    if (is_checked(k)) {
+        agreeing_.start(comm_, largest_squared(task));
+    }
+    return false;
+}
+
+template <int D>
+double Nsgs<D>::largest_squared(const Task& task) {
+    const auto lap = watch_.lap(Timed::residual);
+    double largest = 0;
+    for (std::size_t t = 0; t < task.contacts.n_tiles(); ++t) {
+        const double of_tile = task.contacts.residual(t, task.u).largest_squared;
+        largest = of_tile > largest ? of_tile : largest;
+    }
+    return largest;
 }
 
 template <int D>
