@@ -187,7 +187,10 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["redone_lists"] = counters.redone_lists;
     json["redone_packs"] = counters.redone_packs;
     json["rebalanced"] = counters.rebalanced;
-    json["imbalance"] = simulation.domain().last_imbalance();
+    const auto busiest = comm.max(counters.relaxations);
+    json["imbalance"] =
+        relaxations > 0 ? static_cast<double>(busiest) * comm.size() / static_cast<double>(relaxations) : 1.0;
+    json["imbalance_last"] = simulation.domain().last_imbalance();
     json["messages"] = messages;
     json["message_bytes"] = bytes;
     json["overlap_mean"] = recorder.last_overlaps().mean;

@@ -132,8 +132,12 @@ struct TileSettings {
 };
 
 struct BalanceSettings {
-    double threshold = 1.05; ///< largest over mean relaxations per rank, above which tiles move
-    int every = 200;         ///< steps between two looks
+    enum class By { work, time };              ///< counted relaxations, or measured seconds
+    enum class Moves { when_it_pays, always }; ///< always: for tests, since measured time has no part in it
+    double threshold = 1.01;                   ///< largest over mean load per rank, above which tiles may move
+    int every = 200;                           ///< steps between two looks
+    By by = By::work;                          ///< what load is
+    Moves moves = Moves::when_it_pays;
 };
 
 template <int D>

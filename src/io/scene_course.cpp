@@ -40,6 +40,24 @@ void refuse_idle_keys(const TableReader& table, bool has_tolerance) {
     }
 }
 
+/// A key whose value is one of two names.
+template <class E>
+void read_choice(const TableReader& table, std::string_view key, const std::pair<const char*, E> (&choices)[2],
+                 E& target) {
+    const auto remedy = fmt::format("write \"{}\" or \"{}\"", choices[0].first, choices[1].first);
+    std::string name;
+    if (!table.read(key, name, remedy)) {
+        return;
+    }
+    for (const auto& [known, value] : choices) {
+        if (name == known) {
+            target = value;
+            return;
+        }
+    }
+    table.problem(key, fmt::format("must be \"{}\" or \"{}\"", choices[0].first, choices[1].first), remedy);
+}
+
 void read_end(const TableReader& table, Stage& stage, bool loading_before) {
     if (table.has("until") == table.has("duration")) {
         table.problem(table.has("until") ? "duration" : "until", "must be either a criterion or a duration",
@@ -125,8 +143,13 @@ void read_tiles(const TableReader& top, Scene<2>& scene) {
 void read_balance(const TableReader& top, Scene<2>& scene) {
     if (const auto table = top.table("balance", "[balance]", "write [balance]")) {
         table->read("threshold", scene.balance.threshold,
-                    {1, no_limit, false, "", "largest over mean work per rank; 1.05 is usual"});
+                    {1, no_limit, false, "", "largest over mean load per rank; 1.01 is usual"});
         table->read("every", scene.balance.every, {1, "give it in steps"});
+        using Balance = BalanceSettings;
+        read_choice(*table, "by", {{"work", Balance::By::work}, {"time", Balance::By::time}}, scene.balance.by);
+        read_choice(*table, "moves",
+                    {{"when_it_pays", Balance::Moves::when_it_pays}, {"always", Balance::Moves::always}},
+                    scene.balance.moves);
     }
 }
 

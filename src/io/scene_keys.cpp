@@ -24,7 +24,7 @@ const std::vector<TableKeys>& all_keys() {
         {"stages.until", {"kinetic", "residual", "at_most"}},
         {"[solver]", {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps"}},
         {"[tiles]", {"side", "skin", "lookahead"}},
-        {"[balance]", {"threshold", "every"}},
+        {"[balance]", {"threshold", "every", "by", "moves"}},
         {"[output]", {"frames", "series", "cells", "front_bin"}},
         {"output.frames", {"every"}},
         {"output.series", {"every"}},

@@ -4,6 +4,7 @@
 #include "core/mix.hpp"
 
 #include <algorithm>
+#include <array>
 #include <unordered_map>
 
 namespace nappe {
@@ -199,7 +200,10 @@ void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<Conta
     for (const auto& [key, n] : n_in) {
         work.push_back({key, n});
     }
-    cut(work, {});
+    if (comm_.size() > 1) {
+        const auto graph = tile_graph<D>(comm_.all_gather(work), {});
+        directory_.assign(graph.keys, partition(graph, comm_.size()));
+    }
 
     // Impulses go where their grain goes; they need not have come from the rank that has it.
     const auto n = static_cast<std::size_t>(comm_.size());
@@ -245,32 +249,30 @@ void Domain<D>::rebuild(State<D>& state, std::vector<ContactRow<D>> impulses, Lo
 }
 
 template <int D>
-bool Domain<D>::balance(const std::vector<TileWork>& work, const std::vector<TileLink>& links) {
+bool Domain<D>::balance(const std::vector<TileWork>& work, const std::vector<TileLink>& links, const SpentTime& spent) {
     if (comm_.size() == 1) {
         return false;
     }
     std::int64_t mine = 0;
     for (const auto& w : work) {
-        mine += w.relaxations;
+        mine += w.weight;
     }
-    const auto total = comm_.sum(mine);
+    std::array<std::int64_t, 2> sums{mine, static_cast<std::int64_t>(1e9 * spent.relaxing)};
+    comm_.sum(sums); // integers: the same on every rank
     const auto largest = comm_.max(mine);
-    imbalance_ = total > 0 ? static_cast<double>(largest) * comm_.size() / static_cast<double>(total) : 1.0;
-    if (imbalance_ <= balance_.threshold) {
+    imbalance_ = sums[0] > 0 ? static_cast<double>(largest) * comm_.size() / static_cast<double>(sums[0]) : 1.0;
+    const double per_step =
+        1e-9 * static_cast<double>(sums[1]) / comm_.size() / static_cast<double>(spent.steps > 0 ? spent.steps : 1);
+    if (!judge_.wants_cut(imbalance_, per_step * balance_.every)) {
         return false;
     }
-    cut(work, links);
-    return true;
-}
-
-template <int D>
-void Domain<D>::cut(const std::vector<TileWork>& work, const std::vector<TileLink>& links) {
-    if (comm_.size() == 1) {
-        return;
-    }
-    // A tile may be reported by several ranks before the first cut.
     const auto graph = tile_graph<D>(comm_.all_gather(work), comm_.all_gather(links));
-    directory_.assign(graph.keys, partition(graph, comm_.size()));
+    const auto part = partition(graph, comm_.size());
+    if (!judge_.accepts(nappe::imbalance(graph, part, comm_.size()))) {
+        return false;
+    }
+    directory_.assign(graph.keys, part);
+    return true;
 }
 
 template class Domain<2>;

@@ -7,6 +7,7 @@
 #include "core/exact_sum.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
+#include "parallel/balance_judge.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/halo.hpp"
 #include "parallel/tile_directory.hpp"
@@ -16,11 +17,17 @@
 
 namespace nappe {
 
+/// What this rank has done since the last look at the balance.
+struct SpentTime {
+    double relaxing = 0; ///< [s]
+    std::int64_t steps = 0;
+};
+
 template <int D>
 class Domain {
 public:
     Domain(const Communicator& comm, const TileGrid<D>& grid, const BalanceSettings& balance)
-        : comm_(comm), grid_(grid), balance_(balance), halo_(comm) {}
+        : comm_(comm), grid_(grid), balance_(balance), judge_(balance), halo_(comm) {}
 
     /// **Collective.** Spreads a new set of grains, rows in any order on any ranks, over the ranks by tiles of equal
     /// grain count. Ids must be distinct. @param n_wall_bodies rows to keep in State for walls.
@@ -33,9 +40,12 @@ public:
     /// SystemError if a grain was lost.
     void rebuild(State<D>& state, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies, ContactMemory<D>& memory);
 
-    /// **Collective.** To be called before a rebuild; moves tiles if counted work is uneven beyond the scene's
-    /// threshold. Returns whether they moved. Grains follow at that rebuild.
-    bool balance(const std::vector<TileWork>& work, const std::vector<TileLink>& links);
+    /// **Collective.** To be called before a rebuild; moves tiles if their load is uneven beyond the scene's threshold
+    /// and a move pays (BalanceJudge). Returns whether they moved. Grains follow at that rebuild.
+    bool balance(const std::vector<TileWork>& work, const std::vector<TileLink>& links, const SpentTime& spent = {});
+
+    /// **Collective.** What the last move and its rebuild cost this rank, over a rebuild without a move [s].
+    void moved(double seconds) { judge_.moved(comm_.max(seconds)); }
 
     /// **Collective.** Who must hear of what, for the candidates found after a rebuild.
     void build_halo(const State<D>& state, CandidateSet<D>& candidates) {
@@ -52,10 +62,9 @@ public:
     double largest_margin(double r_max) const { return 0.2499 * grid_.side() - r_max; }
 
     std::int64_t n_grains() const { return n_grains_; }  ///< of all ranks
-    double last_imbalance() const { return imbalance_; } ///< largest over mean work, when last looked at
+    double last_imbalance() const { return imbalance_; } ///< largest over mean load, when last looked at
 
 private:
-    void cut(const std::vector<TileWork>& work, const std::vector<TileLink>& links);
     void settle_tiles(const std::vector<GrainRecord<D>>& own);
     void send_home(std::vector<GrainRecord<D>>& own, std::vector<ContactRow<D>>& impulses) const;
     std::vector<GrainRecord<D>> fetch_ghosts(const std::vector<GrainRecord<D>>& own);
@@ -67,6 +76,7 @@ private:
     const Communicator& comm_;
     TileGrid<D> grid_;
     BalanceSettings balance_;
+    BalanceJudge judge_;
     Halo<D> halo_;
     TileDirectory directory_;
     double range_max_ = 0;

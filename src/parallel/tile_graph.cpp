@@ -14,7 +14,7 @@ TileGraph tile_graph(std::vector<TileWork> work, std::vector<TileLink> links) {
             graph.keys.push_back(w.key);
             graph.weight.push_back(0);
         }
-        graph.weight.back() += w.relaxations;
+        graph.weight.back() += w.weight;
     }
     for (auto& link : links) {
         if (link.b < link.a) {

@@ -10,10 +10,10 @@
 
 namespace nappe {
 
-/// Work of a tile since the last balancing.
+/// Load of an owned tile since the last look at the balance: relaxations, or nanoseconds.
 struct TileWork {
     TileKey key = 0;
-    std::int64_t relaxations = 0;
+    std::int64_t weight = 0;
 };
 
 /// What two tiles share; either order.

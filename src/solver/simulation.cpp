@@ -19,8 +19,8 @@ template <int D>
 Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels)
     : comm_(comm), scene_(scene), walls_(scene.walls),
       domain_(comm, TileGrid<D>(scene.origin, scene.tiles.side_for(largest_radius(scene))), scene.balance),
-      contacts_(scene, kernels), solver_(comm, watch_), sums_(scene.output.cells.size(), walls_),
-      r_max_(largest_radius(scene)) {
+      contacts_(scene, kernels), solver_(comm, watch_, scene.balance.by == BalanceSettings::By::time),
+      sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);
 }
 
@@ -56,8 +56,8 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     candidates_ = {};
     impulses_stale_ = false;
     contacts_.forget();
-    work_.clear();
-    tile_work_.clear();
+    costs_ = {};
+    relaxing_ = 0;
     place_walls();
     waiting_ = memory.rows();
     rebuild_due_ = true;

@@ -9,9 +9,9 @@
 #include "core/walls.hpp"
 #include "parallel/domain.hpp"
 #include "solver/nsgs.hpp"
+#include "solver/tile_costs.hpp"
 
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
 namespace nappe {
@@ -115,7 +115,7 @@ private:
     void rescale_impulses(double h);
     void set_margins(double h);
     void widen_margins(double h);
-    void rebalance_if_due();
+    bool rebalance_if_due();
     void place_walls();
     double velocity_scale(double h) const;
     [[noreturn]] void fail(std::uint32_t flags, const PackFaults& faults, double h) const;
@@ -146,10 +146,11 @@ private:
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;
 
-    std::unordered_map<TileKey, std::int64_t> work_; ///< relaxations of tiles since the last look at the balance
-    std::vector<std::size_t> reported_tiles_;        ///< see find_reported_tiles
-    std::vector<std::int64_t> tile_work_;            ///< the same since the last rebuild, by row of candidates_.tiles
-    std::int64_t last_balance_ = 0;                  ///< step of the last look
+    std::vector<std::size_t> reported_tiles_; ///< see find_reported_tiles
+    TileCosts<D> costs_;            ///< since the last look at the balance
+    double relaxing_ = 0;           ///< seconds, since then
+    std::int64_t last_balance_ = 0; ///< step of the last look
+    double rebuild_seconds_ = 0;    ///< of the last rebuild in which no tile moved
 };
 
 /// Largest radius of a scene: what sizes its tiles [m].

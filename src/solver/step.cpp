@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace nappe {
@@ -136,12 +137,20 @@ PackFaults Simulation<D>::detect(double h, bool activate_all) {
 template <int D>
 void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
     const double scale = with_residual || settings().tolerance ? velocity_scale(h) : 0.0;
+    const auto relaxing = [&] { // seconds, without what else happens between sweeps
+        const auto& s = watch_.seconds();
+        const auto at = [](Timed t) { return static_cast<std::size_t>(t); };
+        return s[at(Timed::sweep)] - s[at(Timed::exchange)] - s[at(Timed::residual)];
+    };
+    const double before = relaxing();
     SolveReport report;
     {
         const auto lap = watch_.lap(Timed::sweep);
         solver_.warm_start(contacts_, domain_.halo(), state_.u);
         report = solver_.solve(contacts_, domain_.halo(), state_.u, settings(), sweeps, scale);
     }
+    relaxing_ += relaxing() - before;
+    costs_.add(contacts_, report.sweeps, solver_.tile_seconds());
     last_residual_.reset();
     if (with_residual) {
         last_residual_ = solver_.residual(contacts_, state_.u, scale);
@@ -150,9 +159,6 @@ void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
     counters_.relaxations += report.relaxations;
     counters_.sweeps += report.sweeps;
     counters_.unconverged += report.converged ? 0 : 1;
-    for (std::size_t t = 0; t < tile_work_.size(); ++t) {
-        tile_work_[t] += contacts_.n_active(t) * report.sweeps;
-    }
 }
 
 /// V: the largest of h |g|, the RMS relative free velocity at touching contacts, and the speed of driven walls [m/s].
@@ -314,7 +320,8 @@ void Simulation<D>::rebuild() {
         const double steps = std::max(2.0, scene_.tiles.lookahead);
         walls_.margin[w] = std::max(0.5 * skin_, settings().h * steps * walls_.v[w].norm());
     }
-    rebalance_if_due();
+    const auto start = std::chrono::steady_clock::now();
+    const bool moved = rebalance_if_due();
     auto impulses = waiting_.empty() ? contact_rows() : std::move(waiting_);
     waiting_.clear();
     ContactMemory<D> memory;
@@ -325,27 +332,32 @@ void Simulation<D>::rebuild() {
     contacts_.forget();
     domain_.build_halo(state_, candidates_);
     solver_.order_tiles(candidates_);
-    tile_work_.assign(candidates_.tiles.size(), 0);
+    costs_.relist(candidates_);
     find_reported_tiles();
     ++counters_.rebuilds;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (moved) {
+        domain_.moved(seconds - rebuild_seconds_);
+    } else {
+        rebuild_seconds_ = seconds;
+    }
 }
 
+/// Returns whether tiles moved.
 template <int D>
-void Simulation<D>::rebalance_if_due() {
-    for (std::size_t t = 0; t < tile_work_.size(); ++t) {
-        work_[candidates_.tiles[t].key] += tile_work_[t];
+bool Simulation<D>::rebalance_if_due() {
+    const SpentTime spent{relaxing_, counters_.steps - last_balance_};
+    if (spent.steps < scene_.balance.every || comm_.size() == 1) {
+        return false;
     }
-    if (counters_.steps - last_balance_ < scene_.balance.every || comm_.size() == 1) {
-        return;
-    }
+    const auto work =
+        scene_.balance.by == BalanceSettings::By::time ? costs_.by_time(spent.relaxing) : costs_.by_work();
+    const bool moved = domain_.balance(work, tile_links(state_, domain_.grid(), candidates_), spent);
+    counters_.rebalanced += moved ? 1 : 0;
     last_balance_ = counters_.steps;
-    std::vector<TileWork> work;
-    for (const auto& tile : candidates_.tiles) {
-        work.push_back({tile.key, work_[tile.key]});
-    }
-    const auto links = tile_links(state_, domain_.grid(), candidates_);
-    counters_.rebalanced += domain_.balance(work, links) ? 1 : 0;
-    work_.clear();
+    relaxing_ = 0;
+    costs_.clear();
+    return moved;
 }
 
 /// All ranks throw the same error, which names the lowest grain concerned.

@@ -121,7 +121,7 @@ std::vector<TileWork> work_of_own_tiles(const SpreadGrains& spread) {
 
 TEST(Domain, BalancingEvensCountedWorkAndLosesNothing) {
     const Communicator world;
-    SpreadGrains spread(world, strewn_grains(4000, margin_for(side)), side, Layout::scattered, {1.05, 1});
+    SpreadGrains spread(world, strewn_grains(4000, margin_for(side)), side, Layout::scattered, test::always(1.05));
     const bool moved = spread.domain.balance(work_of_own_tiles(spread), {});
     EXPECT_EQ(moved, world.size() > 1);
     const double before = spread.domain.last_imbalance();
@@ -138,7 +138,7 @@ TEST(Domain, BalancingEvensCountedWorkAndLosesNothing) {
 
 TEST(Domain, BalancingKeepsAnEvenCut) {
     const Communicator world;
-    SpreadGrains spread(world, strewn_grains(400, 0), side, Layout::scattered, {1000.0, 1});
+    SpreadGrains spread(world, strewn_grains(400, 0), side, Layout::scattered, test::always(1000.0));
     EXPECT_FALSE(spread.domain.balance(work_of_own_tiles(spread), {}));
     const auto before = test::own_records(spread.state).size();
     spread.rebuild();

@@ -41,7 +41,7 @@ Scene<2> layer() {
     push.solver.sweeps = n_sweeps;
     scene.stages = {push};
     scene.tiles.side = side;
-    scene.balance = {1.01, 20};
+    scene.balance = {1.01, 20, BalanceSettings::By::work, BalanceSettings::Moves::always}; // no clock in it
     return scene;
 }
 

@@ -96,12 +96,17 @@ inline std::vector<GrainRecord<2>> own_records(const State<2>& state) {
     return own;
 }
 
+/// Tiles move at every look that finds an imbalance above this.
+inline BalanceSettings always(double threshold) {
+    return {threshold, 1, BalanceSettings::By::work, BalanceSettings::Moves::always};
+}
+
 /// A domain with its grains spread out.
 struct SpreadGrains {
     static constexpr LocalId n_wall_bodies = 4;
 
     SpreadGrains(const Communicator& comm, std::vector<GrainRecord<2>> grains, double side,
-                 Layout layout = Layout::scattered, BalanceSettings balance = {1.0, 1})
+                 Layout layout = Layout::scattered, BalanceSettings balance = always(1.0))
         : all(std::move(grains)), domain(comm, TileGrid<2>(Vec<2>(0.25, -0.5), side), balance) {
         std::vector<GrainRecord<2>> mine;
         std::vector<ContactRow<2>> impulses;

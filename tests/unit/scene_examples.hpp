@@ -74,6 +74,8 @@ lookahead = 4
 [balance]
 threshold = 1.1
 every = 100
+by = "time"
+moves = "always"
 [output]
 frames = { every = 40 }
 series = { every = 5 }

@@ -81,8 +81,9 @@ std::string fields(const Scene<2>& scene) {
     for (const auto& c : o.cells) {
         text += fmt::format(" cell {} {} {:a}", c.name, shown(c.centre), c.radius);
     }
-    return text + fmt::format("\ntiles {:a} {:a} {:a} balance {:a} {}\n", scene.tiles.side, scene.tiles.skin,
-                              scene.tiles.lookahead, scene.balance.threshold, scene.balance.every);
+    return text + fmt::format("\ntiles {:a} {:a} {:a} balance {:a} {} {} {}\n", scene.tiles.side, scene.tiles.skin,
+                              scene.tiles.lookahead, scene.balance.threshold, scene.balance.every,
+                              static_cast<int>(scene.balance.by), static_cast<int>(scene.balance.moves));
 }
 
 std::string error_of(std::string_view text, const std::vector<std::string>& overrides = {}) {
@@ -132,7 +133,7 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
     expected.stages = {{"settle", SettleCriterion{1e-7, 1e-3, 50}, 0, settling}, {"push", std::nullopt, 10, base}};
     expected.output = {40, 5, {{"W1", {3, 3}, 2}, {"W2", {9, 2}, 1.5}}, 1.5};
     expected.tiles = {8, 0.05, 4};
-    expected.balance = {1.1, 100};
+    expected.balance = {1.1, 100, BalanceSettings::By::time, BalanceSettings::Moves::always};
     EXPECT_EQ(fields(scene), fields(expected));
 }
 
