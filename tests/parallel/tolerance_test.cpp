@@ -56,8 +56,8 @@ TEST_F(Tolerance, EndsAtTheFirstCheckThatPassesPlusTheLag) {
     const auto after = [&](int k) { return residual[static_cast<std::size_t>(k)]; };
     ASSERT_LT(after(40), 0.9 * after(12)) << "the case is too easy: nothing converges";
     int early = 0, late = 0, never = 0;
-    for (const double tolerance : {after(12), after(23), after(30), after(40), after(most), 1e-12}) {
-        for (const int check_every : {1, 2, 3, 4, 7, 10}) {
+    for (const double tolerance : {after(12), after(40), after(most), 1e-12}) {
+        for (const int check_every : {1, 3, 4, 10}) {
             for (const int least : {1, 9}) {
                 const int lag = std::min(4, check_every);
                 int wanted = most;
