@@ -4,28 +4,77 @@
 
 namespace nappe {
 
+namespace {
+
 template <int D>
-ContactMemory<D>::ContactMemory(std::vector<ContactRow<D>> rows) : rows_(std::move(rows)) {
-    const auto before = [](const auto& p, const auto& q) { return p.lo != q.lo ? p.lo < q.lo : p.hi < q.hi; };
-    std::sort(rows_.begin(), rows_.end(), before);
-    first_.reserve(rows_.size());
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-        first_.try_emplace(rows_[k].lo, static_cast<std::int32_t>(k));
+bool any(const Impulse<D>& r) {
+    return r.n != 0 || std::any_of(r.t.begin(), r.t.end(), [](double t) { return t != 0; });
+}
+
+} // namespace
+
+template <int D>
+void ContactMemory<D>::keep(const State<D>& state, const CandidateSet<D>& candidates) {
+    from_.clear();
+    named_.clear();
+    begin_.assign(static_cast<std::size_t>(state.n_own) + 1, 0);
+    const auto n = static_cast<std::size_t>(candidates.size());
+    for (std::size_t c = 0; c < n; ++c) {
+        begin_[static_cast<std::size_t>(candidates.a[c])] += any<D>(candidates.r[c]) ? 1 : 0;
+    }
+    std::int32_t sum = 0;
+    for (auto& k : begin_) { // to the end of each row's part, from where it is filled backwards
+        k = sum += k;
+    }
+    partners_.resize(static_cast<std::size_t>(sum));
+    for (std::size_t c = n; c-- > 0;) {
+        if (any<D>(candidates.r[c])) {
+            const auto at = --begin_[static_cast<std::size_t>(candidates.a[c])];
+            partners_[static_cast<std::size_t>(at)] = {partner_key(state, candidates.b[c]), candidates.r[c]};
+        }
     }
 }
 
 template <int D>
-Impulse<D> ContactMemory<D>::find(GlobalId lo, GlobalId hi) const {
-    const auto it = first_.find(lo);
-    if (it == first_.end()) {
-        return {};
+void ContactMemory<D>::rekey(const State<D>& state) {
+    std::vector<std::int32_t> begin{0};
+    std::vector<Partner> partners;
+    for (LocalId i = 0; i < state.n_own; ++i) {
+        for_each(i, state.id[i], [&](GlobalId hi, const Impulse<D>& r) { partners.push_back({hi, r}); });
+        begin.push_back(static_cast<std::int32_t>(partners.size()));
     }
-    for (auto k = static_cast<std::size_t>(it->second); k < rows_.size() && rows_[k].lo == lo; ++k) {
-        if (rows_[k].hi == hi) {
-            return {rows_[k].r_n, rows_[k].r_t};
+    begin_.swap(begin);
+    partners_.swap(partners);
+    from_.clear();
+    named_.clear();
+}
+
+template <int D>
+void ContactMemory<D>::add(std::vector<ContactRow<D>> rows) {
+    if (named_.empty()) {
+        named_.swap(rows);
+    } else {
+        named_.insert(named_.end(), rows.begin(), rows.end());
+    }
+    std::sort(named_.begin(), named_.end(),
+              [](const auto& p, const auto& q) { return p.lo != q.lo ? p.lo < q.lo : p.hi < q.hi; });
+}
+
+template <int D>
+std::size_t ContactMemory<D>::first_named(GlobalId lo) const {
+    const auto before = [](const ContactRow<D>& row, GlobalId id) { return row.lo < id; };
+    return static_cast<std::size_t>(std::lower_bound(named_.begin(), named_.end(), lo, before) - named_.begin());
+}
+
+template <int D>
+Impulse<D> ContactMemory<D>::find(LocalId row, GlobalId lo, GlobalId hi) const {
+    Impulse<D> found;
+    for_each(row, lo, [&](GlobalId partner, const Impulse<D>& r) {
+        if (partner == hi) {
+            found = r;
         }
-    }
-    return {};
+    });
+    return found;
 }
 
 template <int D>
@@ -34,11 +83,7 @@ std::vector<ContactRow<D>> impulse_rows(const State<D>& state, const CandidateSe
     rows.reserve(candidates.a.size());
     for (std::size_t c = 0; c < candidates.a.size(); ++c) {
         const auto& r = candidates.r[c];
-        bool any = r.n != 0;
-        for (const double t : r.t) {
-            any = any || t != 0;
-        }
-        if (any) {
+        if (any<D>(r)) {
             const auto a = static_cast<std::size_t>(candidates.a[c]);
             rows.push_back({state.id[a], partner_key(state, candidates.b[c]), r.n, r.t});
         }

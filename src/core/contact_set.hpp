@@ -5,7 +5,6 @@
 #include "core/tile_grid.hpp"
 #include "core/walls.hpp"
 
-#include <unordered_map>
 #include <vector>
 
 namespace nappe {
@@ -40,6 +39,15 @@ struct CandidateSet {
 
     std::int32_t size() const { return static_cast<std::int32_t>(a.size()); }
 
+    /// Empties it and keeps its memory.
+    void clear() {
+        tiles.clear();
+        a.clear();
+        b.clear();
+        r.clear();
+        class_begin.clear();
+    }
+
     std::int32_t class_end(const Tile& tile, std::int32_t k) const {
         return k + 1 < tile.classes_end ? class_begin[static_cast<std::size_t>(k + 1)] : tile.candidates_end;
     }
@@ -48,21 +56,57 @@ struct CandidateSet {
     static constexpr std::size_t bytes_per_candidate() { return 2 * sizeof(LocalId) + sizeof(Impulse<D>); }
 };
 
-/// Impulses by name, sorted by (lo, hi): what survives a rebuild.
+/// Impulses that survive a rebuild. By row of the lower grain, as it was, while rows move on a rank; by name where
+/// grains change ranks or come from a sample.
 template <int D>
 class ContactMemory {
 public:
     ContactMemory() = default;
-    explicit ContactMemory(std::vector<ContactRow<D>> rows);
+    /// By name, rows in any order.
+    explicit ContactMemory(std::vector<ContactRow<D>> rows) { add(std::move(rows)); }
 
-    /// Zero if the pair was not touching.
-    Impulse<D> find(GlobalId lo, GlobalId hi) const;
+    /// Local. Forgets all and takes the impulses of these candidates, by present rows.
+    void keep(const State<D>& state, const CandidateSet<D>& candidates);
 
-    const std::vector<ContactRow<D>>& rows() const { return rows_; }
+    /// Local. Of what is held, that of owned grains by present rows; the rest is forgotten.
+    void rekey(const State<D>& state);
+
+    /// Local. Own row i was row from[i] until now; -1: new here, its impulses are held by name.
+    void rows_moved(std::vector<LocalId> from) { from_ = std::move(from); }
+
+    /// Local. More impulses by name, in any order.
+    void add(std::vector<ContactRow<D>> rows);
+
+    /// Zero if the pair was not touching. @param row of the grain `lo`
+    Impulse<D> find(LocalId row, GlobalId lo, GlobalId hi) const;
+
+    /// Calls f(hi, impulse) for what is held of a grain.
+    template <class F>
+    void for_each(LocalId row, GlobalId lo, F&& f) const {
+        const LocalId was = from_.empty() ? row : from_[static_cast<std::size_t>(row)];
+        if (was >= 0 && static_cast<std::size_t>(was) + 1 < begin_.size()) {
+            for (auto k = begin_[static_cast<std::size_t>(was)]; k < begin_[static_cast<std::size_t>(was) + 1]; ++k) {
+                f(partners_[static_cast<std::size_t>(k)].hi, partners_[static_cast<std::size_t>(k)].r);
+            }
+            return;
+        }
+        for (auto k = first_named(lo); k < named_.size() && named_[k].lo == lo; ++k) {
+            f(named_[k].hi, Impulse<D>{named_[k].r_n, named_[k].r_t});
+        }
+    }
 
 private:
-    std::vector<ContactRow<D>> rows_;
-    std::unordered_map<GlobalId, std::int32_t> first_; ///< row where a grain's contacts begin
+    struct Partner {
+        GlobalId hi = 0;
+        Impulse<D> r;
+    };
+
+    std::size_t first_named(GlobalId lo) const;
+
+    std::vector<std::int32_t> begin_; ///< partners of old rows
+    std::vector<Partner> partners_;
+    std::vector<LocalId> from_;        ///< empty: rows are as they were
+    std::vector<ContactRow<D>> named_; ///< sorted by (lo, hi)
 };
 
 /// Name of a contact's partner that frames, samples and canonical order use.

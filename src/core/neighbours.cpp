@@ -10,11 +10,21 @@ namespace nappe {
 
 namespace {
 
+/// What the search asks of a grain.
+template <int D>
+struct Spot {
+    std::array<double, D> x;
+    double extent; ///< radius + margin [m]
+    LocalId row;
+};
+
 /// Grains of all held tiles, each tile cut into k^D cells about as wide as two grains, so that a search looks at few of
 /// them.
 template <int D>
 class CellIndex {
 public:
+    using Ring = std::array<int, TileGrid<D>::n_ring>;
+
     CellIndex(const State<D>& state, const TileGrid<D>& grid) : state_(state), grid_(grid) {
         double widest = 0;
         for (LocalId i = 0; i < state.n_held(); ++i) {
@@ -26,6 +36,7 @@ public:
         for (int d = 0; d < D; ++d) {
             n_cells_ *= k_;
         }
+        spots_.resize(static_cast<std::size_t>(state.n_held()));
         collect(0, state.n_own);
         n_own_tiles_ = keys_.size();
         collect(state.n_own, state.n_held());
@@ -37,8 +48,8 @@ public:
     LocalId end(std::size_t slot) const { return end_[slot]; }
 
     /// Slots of a tile and its neighbours; -1 where nothing is held.
-    std::array<int, TileGrid<D>::n_ring> ring(std::size_t slot) const {
-        std::array<int, TileGrid<D>::n_ring> slots;
+    Ring ring(std::size_t slot) const {
+        Ring slots;
         const auto keys = TileGrid<D>::ring(keys_[slot]);
         for (std::size_t i = 0; i < keys.size(); ++i) {
             const auto it = slot_of_.find(keys[i]);
@@ -50,12 +61,11 @@ public:
     /// Largest radius + margin among the grains of a tile [m].
     double extent(std::size_t slot) const { return extent_[slot]; }
 
-    /// Calls f(j) for the held grains in cells within `range` of x, in tiles of `ring` around `slot`.
+    /// Calls f(spot) for the held grains in cells within `range` of x, in tiles of `ring` around the tile with this
+    /// corner.
     template <class F>
-    void for_each_near(std::size_t slot, const std::array<int, TileGrid<D>::n_ring>& ring, const Vec<D>& x,
-                       double range, F&& f) const {
+    void for_each_near(const Vec<D>& corner, const Ring& ring, const Vec<D>& x, double range, F&& f) const {
         static_assert(D == 2, "the loops below are the plane's");
-        const Vec<D> corner = grid_.corner(keys_[slot]);
         const double per_cell = static_cast<double>(k_) / grid_.side();
         const auto cell = [&](double coordinate) {
             const int c = static_cast<int>(std::floor(coordinate * per_cell));
@@ -67,16 +77,17 @@ public:
         const int y0 = cell(x[1] - corner[1] - r), y1 = cell(x[1] - corner[1] + r);
         for (int cx = x0; cx <= x1; ++cx) {
             const int tx = cx < 0 ? 0 : (cx < k_ ? 1 : 2);
-            for (int cy = y0; cy <= y1; ++cy) {
-                const int ty = cy < 0 ? 0 : (cy < k_ ? 1 : 2);
+            for (int ty = y0 < 0 ? 0 : (y0 < k_ ? 1 : 2); ty < 3 && (ty - 1) * k_ <= y1; ++ty) {
                 const int other = ring[static_cast<std::size_t>(3 * tx + ty)];
                 if (other < 0) {
                     continue;
                 }
-                const int sub = (cx - (tx - 1) * k_) * k_ + (cy - (ty - 1) * k_);
-                const std::size_t at = static_cast<std::size_t>(other) * (n_cells_ + 1) + static_cast<std::size_t>(sub);
-                for (std::int32_t p = cell_begin_[at]; p < cell_begin_[at + 1]; ++p) {
-                    f(grain_[static_cast<std::size_t>(p)]);
+                // The cells of a column lie one behind the other.
+                const int column = (cx - (tx - 1) * k_) * k_, bottom = (ty - 1) * k_;
+                const int first = std::max(y0 - bottom, 0), last = std::min(y1 - bottom, k_ - 1);
+                const std::int32_t* begin = &cell_begin_[static_cast<std::size_t>(other) * (n_cells_ + 1)] + column;
+                for (std::int32_t p = begin[first]; p < begin[last + 1]; ++p) {
+                    f(spots_[static_cast<std::size_t>(p)]);
                 }
             }
         }
@@ -84,16 +95,20 @@ public:
 
 private:
     void collect(LocalId from, LocalId to) {
+        TileKey key = from < to ? grid_.key(state_.x_ref[from]) : 0;
         for (LocalId i = from; i < to;) {
-            const TileKey key = grid_.key(state_.x_ref[i]);
             LocalId j = i;
             double extent = 0;
+            TileKey next = key;
             NAPPE_ASSERT(!slot_of_.contains(key), "rows are not sorted by tile at row " + std::to_string(i));
-            while (j < to && grid_.key(state_.x_ref[j]) == key) {
+            while (next == key) {
                 NAPPE_ASSERT(j == i || state_.id[j - 1] < state_.id[j],
                              "ids fall within a tile at row " + std::to_string(j));
                 extent = std::max(extent, state_.radius[j] + state_.margin[j]);
-                ++j;
+                if (++j == to) {
+                    break;
+                }
+                next = grid_.key(state_.x_ref[j]);
             }
             slot_of_.emplace(key, static_cast<int>(keys_.size()));
             keys_.push_back(key);
@@ -102,33 +117,37 @@ private:
             extent_.push_back(extent);
             sort_into_cells(key, i, j);
             i = j;
+            key = next;
         }
     }
 
     void sort_into_cells(TileKey key, LocalId from, LocalId to) {
         const Vec<D> corner = grid_.corner(key);
         const double per_cell = static_cast<double>(k_) / grid_.side();
-        const auto sub = [&](LocalId i) {
+        const std::size_t base = cell_begin_.size();
+        cell_begin_.resize(base + n_cells_ + 1, 0);
+        cell_.clear();
+        for (LocalId i = from; i < to; ++i) {
             std::size_t cell = 0;
             for (int d = 0; d < D; ++d) {
                 const int c = static_cast<int>(std::floor((state_.x_ref[i][d] - corner[d]) * per_cell));
                 cell = cell * static_cast<std::size_t>(k_) + static_cast<std::size_t>(std::clamp(c, 0, k_ - 1));
             }
-            return cell;
-        };
-        const std::size_t base = cell_begin_.size();
-        cell_begin_.resize(base + n_cells_ + 1, 0);
-        for (LocalId i = from; i < to; ++i) {
-            ++cell_begin_[base + sub(i) + 1];
+            cell_.push_back(static_cast<std::int32_t>(cell));
+            ++cell_begin_[base + cell];
         }
-        cell_begin_[base] = static_cast<std::int32_t>(grain_.size());
-        for (std::size_t c = 0; c < n_cells_; ++c) {
-            cell_begin_[base + c + 1] += cell_begin_[base + c];
+        std::int32_t sum = from;
+        for (std::size_t c = base; c < cell_begin_.size(); ++c) { // the ends, from where cells are filled backwards
+            cell_begin_[c] = sum += cell_begin_[c];
         }
-        std::vector<std::int32_t> at(cell_begin_.begin() + static_cast<std::ptrdiff_t>(base), cell_begin_.end() - 1);
-        grain_.resize(grain_.size() + static_cast<std::size_t>(to - from));
-        for (LocalId i = from; i < to; ++i) {
-            grain_[static_cast<std::size_t>(at[sub(i)]++)] = i;
+        for (LocalId i = to; i-- > from;) {
+            const auto cell = static_cast<std::size_t>(cell_[static_cast<std::size_t>(i - from)]);
+            auto& spot = spots_[static_cast<std::size_t>(--cell_begin_[base + cell])];
+            for (int d = 0; d < D; ++d) {
+                spot.x[d] = state_.x_ref[i][d];
+            }
+            spot.extent = state_.radius[i] + state_.margin[i];
+            spot.row = i;
         }
     }
 
@@ -140,8 +159,9 @@ private:
     std::vector<TileKey> keys_;
     std::vector<LocalId> begin_, end_;
     std::vector<double> extent_;
-    std::vector<std::int32_t> cell_begin_;
-    std::vector<LocalId> grain_;
+    std::vector<std::int32_t> cell_begin_; ///< by tile, n_cells_ + 1 each; into spots_
+    std::vector<std::int32_t> cell_;       ///< of the grains of one tile
+    std::vector<Spot<D>> spots_;           ///< by cell
     std::unordered_map<TileKey, int> slot_of_;
 };
 
@@ -156,6 +176,7 @@ public:
         a.clear();
         b.clear();
         const auto ring = cells_.ring(slot);
+        const Vec<D> corner = grid_.corner(cells_.key(slot));
         double widest = 0;
         for (const int s : ring) {
             if (s >= 0) {
@@ -166,13 +187,15 @@ public:
         for (LocalId i = cells_.begin(slot); i < cells_.end(slot); ++i) {
             partners_.clear();
             const double reach = state_.radius[i] + state_.margin[i];
-            cells_.for_each_near(slot, ring, state_.x_ref[i], reach + widest, [&](LocalId j) {
-                if (state_.id[j] <= state_.id[i]) {
-                    return;
+            const Vec<D> x = state_.x_ref[i];
+            cells_.for_each_near(corner, ring, x, reach + widest, [&](const Spot<D>& spot) {
+                const double range = reach + spot.extent;
+                double squared = 0;
+                for (int d = 0; d < D; ++d) {
+                    squared += (spot.x[d] - x[d]) * (spot.x[d] - x[d]);
                 }
-                const double range = reach + state_.radius[j] + state_.margin[j];
-                if ((state_.x_ref[j] - state_.x_ref[i]).squaredNorm() <= range * range) {
-                    partners_.push_back({state_.id[j], j});
+                if (squared <= range * range && state_.id[spot.row] > state_.id[i]) {
+                    partners_.push_back({state_.id[spot.row], spot.row});
                 }
             });
             std::sort(partners_.begin(), partners_.end());
@@ -255,11 +278,11 @@ void colour_contacts(std::span<const LocalId> a, std::span<const LocalId> b, Loc
 }
 
 template <int D>
-CandidateSet<D> find_candidates(const State<D>& state, const TileGrid<D>& grid, const Walls<D>& walls,
-                                const ContactMemory<D>& memory) {
+void find_candidates(const State<D>& state, const TileGrid<D>& grid, const Walls<D>& walls,
+                     const ContactMemory<D>& memory, CandidateSet<D>& set) {
     const CellIndex<D> cells(state, grid);
     TileSearch<D> search(state, grid, walls, cells);
-    CandidateSet<D> set;
+    set.clear();
     std::vector<std::int32_t> n_in_class, at, colour;
     std::vector<std::uint64_t> used;
     for (std::size_t slot = 0; slot < cells.n_own_tiles(); ++slot) {
@@ -296,13 +319,13 @@ CandidateSet<D> find_candidates(const State<D>& state, const TileGrid<D>& grid, 
             const auto to = static_cast<std::size_t>(at[static_cast<std::size_t>(colour[c])]++);
             set.a[to] = search.a[c];
             set.b[to] = search.b[c];
-            set.r[to] = memory.find(state.id[search.a[c]], partner_key(state, search.b[c]));
+            set.r[to] = memory.find(search.a[c], state.id[search.a[c]], partner_key(state, search.b[c]));
         }
         set.tiles.push_back(tile);
     }
-    return set;
 }
 
-template CandidateSet<2> find_candidates(const State<2>&, const TileGrid<2>&, const Walls<2>&, const ContactMemory<2>&);
+template void find_candidates(const State<2>&, const TileGrid<2>&, const Walls<2>&, const ContactMemory<2>&,
+                              CandidateSet<2>&);
 
 } // namespace nappe

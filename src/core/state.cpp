@@ -1,53 +1,115 @@
 #include "core/state.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace nappe {
 
+namespace {
+
+/// Rows of one array in a new order.
+template <int D, class T, class OfRecord>
+void reorder_array(std::vector<T>& array, const std::vector<LocalId>& from, const std::vector<GrainRecord<D>>& arrivals,
+                   OfRecord&& of) {
+    std::vector<T> ordered(from.size());
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        ordered[i] = from[i] >= 0 ? array[static_cast<std::size_t>(from[i])]
+                                  : of(arrivals[static_cast<std::size_t>(-1 - from[i])]);
+    }
+    array.swap(ordered);
+}
+
 template <int D>
-void State<D>::assign(const std::vector<GrainRecord<D>>& own, const std::vector<GrainRecord<D>>& ghosts,
-                      LocalId n_walls) {
-    const std::size_t n = own.size() + ghosts.size();
+Vec<D> position(const GrainRecord<D>& g) {
+    Vec<D> v;
+    for (int d = 0; d < D; ++d) {
+        v[d] = g.x[d];
+    }
+    return v;
+}
+
+} // namespace
+
+template <int D>
+void State<D>::reorder(const std::vector<LocalId>& from, const std::vector<GrainRecord<D>>& arrivals) {
+    using Record = GrainRecord<D>;
+    bool same = static_cast<LocalId>(from.size()) == n_own;
+    for (std::size_t i = 0; same && i < from.size(); ++i) {
+        same = from[i] == static_cast<LocalId>(i);
+    }
+    n_own = static_cast<LocalId>(from.size());
+    if (same) {
+        return;
+    }
+    reorder_array(id, from, arrivals, [](const Record& g) { return g.id; });
+    reorder_array(x, from, arrivals, [](const Record& g) { return position(g); });
+    reorder_array(margin, from, arrivals, [](const Record& g) { return g.margin; });
+    reorder_array(u, from, arrivals, [](const Record& g) { return g.u; });
+    reorder_array(rotation, from, arrivals, [](const Record& g) { return g.rotation; });
+    reorder_array(radius, from, arrivals, [](const Record& g) { return g.radius; });
+    reorder_array(mass, from, arrivals, [](const Record& g) { return g.mass; });
+    reorder_array(cells, from, arrivals, [](const Record& g) { return g.cells; });
+    reorder_array(layer, from, arrivals, [](const Record& g) { return g.layer; });
+    reorder_array(material, from, arrivals, [](const Record& g) { return g.material; });
+}
+
+template <int D>
+void State<D>::complete(const std::vector<GrainRecord<D>>& ghosts, LocalId n_walls) {
+    const auto own = static_cast<std::size_t>(n_own);
+    const std::size_t n = own + ghosts.size();
     const std::size_t bodies = n + static_cast<std::size_t>(n_walls) + 1;
-    n_own = static_cast<LocalId>(own.size());
     id.resize(n);
     x.resize(n);
-    x_ref.resize(n);
     margin.resize(n);
     rotation.resize(n);
     radius.resize(n);
     mass.resize(n);
     cells.resize(n);
     layer.resize(n);
+    u.resize(bodies);
+    material.resize(bodies);
+    for (std::size_t k = 0; k < ghosts.size(); ++k) {
+        const auto& g = ghosts[k];
+        const std::size_t i = own + k;
+        id[i] = g.id;
+        x[i] = position(g);
+        margin[i] = g.margin;
+        u[i] = g.u;
+        rotation[i] = g.rotation;
+        radius[i] = g.radius;
+        mass[i] = g.mass;
+        cells[i] = g.cells;
+        layer[i] = g.layer;
+        material[i] = g.material;
+    }
+    for (std::size_t i = n; i < bodies; ++i) {
+        u[i] = {};
+        material[i] = 0;
+    }
+    x_ref = x;
+    u_old = u;
+    mid.resize(bodies);
+    for (std::size_t i = 0; i < n; ++i) {
+        for (int d = 0; d < D; ++d) {
+            mid[i].x[d] = x[i][d];
+        }
+        mid[i].radius = radius[i];
+    }
     BodyPlace<D> nowhere;
     nowhere.radius = std::numeric_limits<double>::quiet_NaN();
-    mid.assign(bodies, nowhere);
+    std::fill(mid.begin() + static_cast<std::ptrdiff_t>(n), mid.end(), nowhere);
     mid.back().radius = 0; // the null body touches itself at most
-    u.assign(bodies, BodyVelocity<D>{});
-    u_old.assign(bodies, BodyVelocity<D>{});
-    material.assign(bodies, 0);
+}
 
-    std::size_t i = 0;
-    for (const auto* part : {&own, &ghosts}) {
-        for (const auto& g : *part) {
-            id[i] = g.id;
-            for (int d = 0; d < D; ++d) {
-                x[i][d] = g.x[d];
-            }
-            mid[i] = {g.x, g.radius};
-            x_ref[i] = x[i];
-            margin[i] = g.margin;
-            u[i] = g.u;
-            u_old[i] = g.u;
-            rotation[i] = g.rotation;
-            radius[i] = g.radius;
-            mass[i] = g.mass;
-            cells[i] = g.cells;
-            layer[i] = g.layer;
-            material[i] = g.material;
-            ++i;
-        }
+template <int D>
+void State<D>::assign(const std::vector<GrainRecord<D>>& own, const std::vector<GrainRecord<D>>& ghosts,
+                      LocalId n_walls) {
+    std::vector<LocalId> from(own.size());
+    for (std::size_t i = 0; i < own.size(); ++i) {
+        from[i] = -1 - static_cast<LocalId>(i);
     }
+    reorder(from, own);
+    complete(ghosts, n_walls);
 }
 
 template <int D>

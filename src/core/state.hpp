@@ -92,6 +92,14 @@ struct State {
         return g;
     }
 
+    /// Local. Owned row i becomes what was row from[i], or arrivals[-1 - from[i]] where that is negative; all other rows
+    /// go. To be followed by `complete`.
+    void reorder(const std::vector<LocalId>& from, const std::vector<GrainRecord<D>>& arrivals);
+
+    /// Local. Behind the owned rows: ghosts, `n_walls` wall bodies and the null body. Positions of all are now those of
+    /// the last rebuild.
+    void complete(const std::vector<GrainRecord<D>>& ghosts, LocalId n_walls);
+
     /// Local. Takes owned grains, then ghosts, then room for `n_walls` wall bodies and the null body.
     void assign(const std::vector<GrainRecord<D>>& own, const std::vector<GrainRecord<D>>& ghosts, LocalId n_walls);
 

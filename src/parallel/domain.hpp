@@ -13,6 +13,7 @@
 #include "parallel/tile_directory.hpp"
 #include "parallel/tile_graph.hpp"
 
+#include <string>
 #include <vector>
 
 namespace nappe {
@@ -34,11 +35,11 @@ public:
     void distribute(std::vector<GrainRecord<D>> grains, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies,
                     State<D>& state, ContactMemory<D>& memory);
 
-    /// **Collective.** At a rebuild: takes owned grains (with their new margins) and impulses of owned contacts, sends
-    /// each to the owner of the tile it is in now, fetches ghosts, fills `state` (x_ref = x). Afterwards `memory` holds
-    /// the impulses of owned contacts. Throws NumericalFailure if a grain left the world that tiles can name,
-    /// SystemError if a grain was lost.
-    void rebuild(State<D>& state, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies, ContactMemory<D>& memory);
+    /// **Collective.** At a rebuild: sends owned grains (with their new margins) and the impulses that `memory` has of
+    /// them to the owners of the tiles they are in now, puts rows in the order of (tile, id), fetches ghosts (x_ref = x).
+    /// Pre: `memory` is by the present rows (ContactMemory::keep or rekey). Throws NumericalFailure if a grain left the
+    /// world that tiles can name, SystemError if a grain was lost.
+    void rebuild(State<D>& state, LocalId n_wall_bodies, ContactMemory<D>& memory);
 
     /// **Collective.** To be called before a rebuild; moves tiles if their load is uneven beyond the scene's threshold
     /// and a move pays (BalanceJudge). Returns whether they moved. Grains follow at that rebuild.
@@ -65,13 +66,37 @@ public:
     double last_imbalance() const { return imbalance_; } ///< largest over mean load, when last looked at
 
 private:
-    void settle_tiles(const std::vector<GrainRecord<D>>& own);
-    void send_home(std::vector<GrainRecord<D>>& own, std::vector<ContactRow<D>>& impulses) const;
-    std::vector<GrainRecord<D>> fetch_ghosts(const std::vector<GrainRecord<D>>& own);
-    void take(std::vector<GrainRecord<D>> own, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies,
-              State<D>& state, ContactMemory<D>& memory);
+    /// The owned rows in one tile.
+    struct Span {
+        TileKey key = 0;
+        LocalId begin = 0, end = 0;
+    };
+    /// A grain that is not in the tile it was in, or whose tile is not this rank's any more.
+    struct Mover {
+        TileKey key = 0; ///< of the tile it is in now
+        GlobalId id = 0;
+        LocalId row = 0; ///< its own until now; -1 - k: the k-th that arrived
+        bool operator<(const Mover& o) const { return key != o.key ? key < o.key : id < o.id; }
+    };
+
+    static constexpr TileKey nowhere = ~TileKey{0}; ///< of a position that tiles can not name
+
+    // domain_rebuild.cpp
+    static std::string left_the_world(GlobalId id, const Vec<D>& x);
+    static double widest_reach(const State<D>& state);
+    std::vector<Mover> find_movers(const State<D>& state) const;
+    bool settle_tiles(const State<D>& state, const std::vector<Mover>& movers);
+    std::vector<GrainRecord<D>> migrate(const State<D>& state, std::vector<Mover>& movers, ContactMemory<D>& memory);
+    std::vector<LocalId> merge_rows(const State<D>& state, const std::vector<Mover>& gone, std::vector<Mover> here);
+    std::vector<GrainRecord<D>> fetch_ghosts(const State<D>& state);
     void sort_by_tile(std::vector<GrainRecord<D>>& grains) const;
-    void count(const std::vector<GrainRecord<D>>& own, bool first);
+    void list_tiles(const State<D>& state);
+    void count(const State<D>& state, bool first);
+
+    // domain.cpp
+    void cut_by_grains(const std::vector<GrainRecord<D>>& grains);
+    std::vector<ContactRow<D>> send_after(const std::vector<GrainRecord<D>>& grains,
+                                          const std::vector<ContactRow<D>>& impulses) const;
 
     const Communicator& comm_;
     TileGrid<D> grid_;
@@ -79,6 +104,7 @@ private:
     BalanceJudge judge_;
     Halo<D> halo_;
     TileDirectory directory_;
+    std::vector<Span> own_tiles_; ///< by key
     double range_max_ = 0;
     double imbalance_ = 1;
     std::int64_t n_grains_ = 0;

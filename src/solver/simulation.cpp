@@ -51,15 +51,13 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     last_balance_ = 0;
     last_residual_.reset();
     last_sweeps_ = 0;
-    ContactMemory<D> memory;
-    domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory);
+    domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory_);
     candidates_ = {};
     impulses_stale_ = false;
     contacts_.forget();
     costs_ = {};
     relaxing_ = 0;
     place_walls();
-    waiting_ = memory.rows();
     rebuild_due_ = true;
 }
 

@@ -126,6 +126,7 @@ private:
     Stopwatch watch_;
     State<D> state_;
     Domain<D> domain_;
+    ContactMemory<D> memory_; ///< of the impulses, across rebuilds
     // Between steps impulses stay in the batches; they are put back to their candidates when somebody asks.
     mutable CandidateSet<D> candidates_;
     mutable bool impulses_stale_ = false;
@@ -140,17 +141,15 @@ private:
     std::int64_t stage_steps_ = 0;
     bool rebuild_due_ = true;
     double impulse_h_ = 0; ///< step [s] whose impulses the candidates hold: forces are kept where h changes
-    /// Impulses that came with the sample, until the first rebuild has candidates for them.
-    std::vector<ContactRow<D>> waiting_;
     std::uint32_t agreed_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;
 
     std::vector<std::size_t> reported_tiles_; ///< see find_reported_tiles
-    TileCosts<D> costs_;            ///< since the last look at the balance
-    double relaxing_ = 0;           ///< seconds, since then
-    std::int64_t last_balance_ = 0; ///< step of the last look
-    double rebuild_seconds_ = 0;    ///< of the last rebuild in which no tile moved
+    TileCosts<D> costs_;                      ///< since the last look at the balance
+    double relaxing_ = 0;                     ///< seconds, since then
+    std::int64_t last_balance_ = 0;           ///< step of the last look
+    double rebuild_seconds_ = 0;              ///< of the last rebuild in which no tile moved
 };
 
 /// Largest radius of a scene: what sizes its tiles [m].

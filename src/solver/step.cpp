@@ -322,12 +322,12 @@ void Simulation<D>::rebuild() {
     }
     const auto start = std::chrono::steady_clock::now();
     const bool moved = rebalance_if_due();
-    auto impulses = waiting_.empty() ? contact_rows() : std::move(waiting_);
-    waiting_.clear();
-    ContactMemory<D> memory;
-    domain_.rebuild(state_, std::move(impulses), walls_.n_bodies(), memory);
+    if (counters_.rebuilds > 0) { // before the first, memory_ has the sample's impulses
+        memory_.keep(state_, candidates());
+    }
+    domain_.rebuild(state_, walls_.n_bodies(), memory_);
     place_walls();
-    candidates_ = find_candidates(state_, domain_.grid(), walls_, memory);
+    find_candidates(state_, domain_.grid(), walls_, memory_, candidates_);
     impulses_stale_ = false;
     contacts_.forget();
     domain_.build_halo(state_, candidates_);

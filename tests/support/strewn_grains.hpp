@@ -137,7 +137,21 @@ struct SpreadGrains {
         rebuild();
     }
 
-    void rebuild() { domain.rebuild(state, memory.rows(), n_wall_bodies, memory); }
+    void rebuild() {
+        memory.rekey(state);
+        domain.rebuild(state, n_wall_bodies, memory);
+    }
+
+    /// Local. What `memory` has of owned grains.
+    std::vector<ContactRow<2>> impulses() const {
+        std::vector<ContactRow<2>> rows;
+        for (LocalId i = 0; i < state.n_own; ++i) {
+            memory.for_each(i, state.id[i], [&](GlobalId hi, const Impulse<2>& r) {
+                rows.push_back({state.id[i], hi, r.n, r.t});
+            });
+        }
+        return rows;
+    }
 
     std::vector<GrainRecord<2>> all; ///< what must be there, by id
     State<2> state;
