@@ -1,3 +1,4 @@
+#include "commands/bench.hpp"
 #include "commands/check.hpp"
 #include "commands/partitions.hpp"
 #include "commands/run.hpp"
@@ -24,9 +25,26 @@ int failed(const nappe::Communicator& world, const char* what, ExitCode code) {
 struct Arguments {
     nappe::RunOptions run;
     nappe::CostModel cost;
+    nappe::BenchOptions bench;
     int ranks = 2;
     nappe::PartitionsOptions partitions;
 };
+
+void define_bench(CLI::App& app, nappe::BenchOptions& options) {
+    auto* bench =
+        app.add_subcommand("bench", "measure this machine, the kernels, the steps and the memory; start it under "
+                                    "mpirun for several ranks");
+    bench->footer("The default takes about three minutes and 2 GB on one core; compare figures of one run only.");
+    bench
+        ->add_option("--grains", options.grains,
+                     "sizes to measure [3000,10000,43000,172000,688000,2700000; with --pairs 10000,43000]")
+        ->type_name("N,N,...");
+    bench->add_option("--pairs", options.pairs, "instead: one rank against all, in so many alternating turns")
+        ->type_name("N")
+        ->check(CLI::Range(1, 100000).description(""));
+    bench->add_option("--json", options.json, "write the figures to this file too")->type_name("FILE");
+    bench->add_flag("--quick", options.quick, "one small size and few rounds: whether it works, not how fast it is");
+}
 
 void define(CLI::App& app, Arguments& arguments) {
     app.description("nappe: contact dynamics of large collections of rigid grains, on any number of MPI ranks");
@@ -67,9 +85,13 @@ void define(CLI::App& app, Arguments& arguments) {
     cut->add_option("--samples", partitions.samples, "take the settled sample from here [the deposit]")
         ->type_name("DIR");
     cut->add_option("--json", partitions.json, "write the counts of every part and every message")->type_name("FILE");
+    define_bench(app, arguments.bench);
 }
 
 int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& arguments) {
+    if (app.got_subcommand("bench")) {
+        return static_cast<int>(nappe::bench(world, arguments.bench));
+    }
     if (app.got_subcommand("check")) {
         std::string error;
         int code = static_cast<int>(ExitCode::done);

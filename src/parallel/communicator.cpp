@@ -1,8 +1,10 @@
 #include "parallel/communicator.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <limits>
+#include <thread>
 
 namespace nappe {
 
@@ -24,6 +26,14 @@ MpiSession::MpiSession(int& argc, char**& argv) {
 
 MpiSession::~MpiSession() {
     MPI_Finalize();
+}
+
+std::string mpi_library() {
+    std::string text(MPI_MAX_LIBRARY_VERSION_STRING, '\0');
+    int length = 0;
+    MPI_Get_library_version(text.data(), &length);
+    text.resize(static_cast<std::size_t>(length));
+    return text.substr(0, text.find_first_of(",\n")); // what follows names the machine it was built on
 }
 
 Communicator::Communicator(MPI_Comm parent) {
@@ -50,6 +60,18 @@ void Communicator::abort(int code) const {
 
 void Communicator::barrier() const {
     MPI_Barrier(handle_);
+}
+
+void Communicator::sleepy_barrier() const {
+    MPI_Request request;
+    MPI_Ibarrier(handle_, &request);
+    for (int done = 0;;) {
+        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+        if (done != 0) {
+            return;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
 }
 
 std::int64_t Communicator::sum(std::int64_t value) const {

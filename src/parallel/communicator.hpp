@@ -23,12 +23,17 @@ public:
     MpiSession& operator=(const MpiSession&) = delete;
 };
 
+/// Local. Name and version of the MPI library, its first line.
+std::string mpi_library();
+
 /// A duplicate of an MPI communicator, freed with its owner. Every member is **collective** unless it says Local.
 class Communicator {
 public:
     /// Duplicates `parent`; all ranks of the job by default, MPI_COMM_SELF in serial tests.
     explicit Communicator(MPI_Comm parent = MPI_COMM_WORLD);
     ~Communicator();
+    /// Local. This rank by itself, as if the job had no other.
+    static Communicator alone() { return Communicator(MPI_COMM_SELF); }
     Communicator(Communicator&& other) noexcept;
     Communicator(const Communicator&) = delete;
     Communicator& operator=(const Communicator&) = delete;
@@ -43,6 +48,8 @@ public:
     [[noreturn]] void abort(int code) const;
 
     void barrier() const;
+    /// A barrier whose early ranks sleep, so that the others have the machine to themselves; about a millisecond slow.
+    void sleepy_barrier() const;
     std::int64_t sum(std::int64_t value) const;
     std::uint64_t sum_wrapping(std::uint64_t value) const; ///< modulo 2^64
     void sum(std::span<std::int64_t> values) const;        ///< in place, element by element

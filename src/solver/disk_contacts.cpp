@@ -117,7 +117,7 @@ void DiskContacts::lay_out(const Step& step) {
 /// Normals and biases of a tile whose active contacts are the same; false: they are not.
 bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& faults) {
     const Range& range = ranges_[tile];
-    if (any_wakes(tile, step) || kernels_.refresh(batches_.data() + range.begin, range.n, step.bodies, step.h)) {
+    if (any_wakes(tile, step) || kernels_->refresh(batches_.data() + range.begin, range.n, step.bodies, step.h)) {
         return false;
     }
     for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
@@ -189,7 +189,7 @@ void DiskContacts::measure(const std::int32_t* which, std::int32_t n, const Cand
     if (gaps_.size() < n_batches) {
         gaps_.resize(n_batches);
     }
-    kernels_.gaps(which, n, candidates.a.data() + from, candidates.b.data() + from, bodies, gaps_.data());
+    kernels_->gaps(which, n, candidates.a.data() + from, candidates.b.data() + from, bodies, gaps_.data());
 }
 
 bool DiskContacts::any_wakes(std::size_t tile, const Step& step) {

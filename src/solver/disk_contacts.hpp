@@ -34,7 +34,7 @@ struct PackFaults {
 /// fills batches and changes nothing.
 class DiskContacts {
 public:
-    DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(kernels) {}
+    DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(&kernels) {}
 
     /// Local. Candidates are new, or their impulses: the next `pack` takes both.
     void forget() { fresh_ = true; }
@@ -52,13 +52,13 @@ public:
 
     void relax(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
         const Range& r = ranges_[tile];
-        kernels_.relax(batches_.data() + r.begin, laws_.uniform ? nullptr : friction_.data() + r.begin, r.n,
+        kernels_->relax(batches_.data() + r.begin, laws_.uniform ? nullptr : friction_.data() + r.begin, r.n,
                        laws_.uniform_friction, u.data()->v.data());
     }
 
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) const {
         const Range& r = ranges_[tile];
-        kernels_.apply(batches_.data() + r.begin, r.n, u.data()->v.data());
+        kernels_->apply(batches_.data() + r.begin, r.n, u.data()->v.data());
     }
 
     /// Local. One tile's residual at velocities u.
@@ -69,6 +69,9 @@ public:
 
     /// Local. Puts the impulses back to their candidates; those that sleep have none.
     void store(CandidateSet<2>& candidates) const;
+
+    /// Local. Sweeps with another instruction set from now on: the packed contacts are the same for all.
+    void use(const DiskKernels& kernels) { kernels_ = &kernels; }
 
     std::int64_t n_active() const { return n_active_; }
     std::int64_t n_active(std::size_t tile) const { return ranges_[tile].active; }
@@ -87,7 +90,7 @@ public:
     static constexpr std::size_t bytes_per_packed = sizeof(DiskBatch) / n_lanes + sizeof(std::int32_t);
 
     std::size_t bytes_per_contact() const { return bytes_per_packed + (laws_.uniform ? 0 : sizeof(double)); }
-    const char* instruction_set() const { return kernels_.name; }
+    const char* instruction_set() const { return kernels_->name; }
 
 private:
     struct Range {
@@ -153,7 +156,7 @@ private:
     void store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const;
 
     PairLaws laws_;
-    const DiskKernels& kernels_;
+    const DiskKernels* kernels_;
     std::vector<DiskBatch> batches_;
     std::vector<FrictionBatch> friction_; ///< empty if laws_.uniform
     std::vector<std::int32_t> source_;    ///< candidate of every lane, -1 for null contacts

@@ -1,0 +1,214 @@
+#include "commands/bench.hpp"
+
+#include "commands/bench_machine.hpp"
+#include "commands/bench_report.hpp"
+#include "io/progress.hpp"
+#include "io/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdio>
+
+namespace nappe {
+
+namespace {
+
+constexpr const char* default_sizes = "3000,10000,43000,172000,688000,2700000";
+constexpr const char* default_pair_sizes = "10000,43000";
+constexpr std::int64_t most_grains = 100'000'000;
+
+/// How long to measure: enough for medians, little enough for minutes in all.
+struct Effort {
+    int settle_steps = 200;
+    int steps = 10;             ///< that are timed
+    int rounds = 11;            ///< of kernels
+    int rebuilds = 7;           ///< that are timed
+    double seconds = 0.02;      ///< of a kernel's turn
+    double triad_seconds = 0.3; ///< at one size
+};
+
+Effort effort_for(std::int64_t grains, bool quick) {
+    Effort effort;
+    if (quick) {
+        return {50, 2, 3, 2, 0.002, 0.02};
+    }
+    if (grains > 50'000) {
+        effort.steps = grains > 1'000'000 ? 2 : 4;
+        effort.rounds = grains > 1'000'000 ? 5 : 7;
+        effort.rebuilds = 3;
+    }
+    return effort;
+}
+
+/// Everything printed, also as JSON.
+class BenchOutput {
+public:
+    BenchOutput(const Communicator& comm, const BenchOptions& options, nlohmann::ordered_json machine)
+        : comm_(comm), path_(options.json) {
+        json_["version"] = program_version();
+        json_["quick"] = options.quick;
+        json_["machine"] = std::move(machine);
+        // Now too, so that a file that can not be written is known before minutes are spent.
+        save();
+        print("Machine and build\n");
+        for (const auto& [key, value] : json_["machine"].items()) {
+            print(fmt::format("  {:<20} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump()));
+        }
+        print("\n");
+    }
+
+    void show(const BenchTable& table) {
+        if (!table.empty()) {
+            json_[table.key()] = table.json();
+            print(table.text());
+        }
+    }
+
+    /// **Collective.** Throws SystemError.
+    void save() {
+        std::string error;
+        if (comm_.is_root() && !path_.empty()) {
+            try {
+                write_summary(path_, json_);
+            } catch (const SystemError& e) {
+                error = e.what();
+            }
+        }
+        comm_.throw_together<SystemError>(error);
+    }
+
+private:
+    void print(const std::string& text) const {
+        if (comm_.is_root()) {
+            std::fputs(text.c_str(), stdout);
+            std::fflush(stdout);
+        }
+    }
+
+    const Communicator& comm_;
+    std::filesystem::path path_;
+    nlohmann::ordered_json json_;
+};
+
+nlohmann::ordered_json machine_of(const Communicator& comm) {
+    std::vector<std::string> kernels;
+    for (const auto* set : kernels_everywhere(comm)) {
+        kernels.emplace_back(set->name);
+    }
+    return describe_machine(comm.size(), kernels);
+}
+
+/// Bytes that a sweep moves on the rank that has most of them.
+std::int64_t bytes_of_sweep(const Simulation<2>& simulation) {
+    return simulation.comm().max(
+        static_cast<std::int64_t>(bytes_per_contact_relaxed * static_cast<double>(simulation.contacts().n_active()) +
+                                  bytes_per_grain_swept * static_cast<double>(simulation.state().n_own)));
+}
+
+SizeFigures measure_size(const Communicator& comm, const SettledBlock& block, std::int64_t grains,
+                         const Effort& effort) {
+    SizeFigures figures;
+    return_free_memory();
+    forget_highest();
+    figures.memory.before = resident_of_all(comm).now;
+
+    const auto copies = n_copies(block, grains);
+    Simulation<2> simulation(comm, bench_scene(static_cast<double>(copies) * block.length), disk_kernels());
+    load_copies(simulation, block, copies);
+    simulation.step(); // counts the work by which tiles are balanced
+    figures.at_10 = measure_steps(simulation, BenchStage::sweeps_10, effort.steps);
+    figures.at_100 = measure_steps(simulation, BenchStage::sweeps_100, effort.steps);
+    figures.grains = simulation.domain().n_grains();
+    figures.contacts = comm.sum(simulation.contacts().n_active());
+    const auto resident = resident_of_all(comm);
+    figures.memory.steady = resident.now;
+    figures.memory.highest = resident.highest;
+    figures.memory.budget = 250 * static_cast<double>(figures.grains) + 120 * static_cast<double>(figures.contacts);
+
+    figures.rebuild_ns = measure_rebuild(simulation, effort.rebuilds);
+    simulation.step();
+    figures.triad = measure_triad(comm, bytes_of_sweep(simulation), effort.triad_seconds);
+    figures.kernels = compare_kernels(simulation, effort.rounds, effort.seconds);
+    return figures;
+}
+
+void measure_sizes(const Communicator& comm, const BenchOptions& options, Progress& progress, BenchOutput& output) {
+    const auto sizes =
+        parse_sizes(!options.grains.empty() ? options.grains.c_str() : (options.quick ? "3000" : default_sizes));
+    const auto block =
+        settle_block(Communicator::alone(), block_grains, effort_for(block_grains, options.quick).settle_steps);
+    std::vector<SizeFigures> figures;
+    for (const auto grains : sizes) {
+        progress.info(fmt::format("bench: {} grains", grains));
+        figures.push_back(measure_size(comm, block, grains, effort_for(grains, options.quick)));
+    }
+    output.show(bandwidth_table(figures));
+    output.show(kernel_table(figures));
+    output.show(step_table(figures));
+    if (comm.size() > 1) {
+        output.show(exchange_table(figures));
+    }
+    output.show(memory_table(figures));
+    output.show(asked_table(figures, comm.size()));
+}
+
+void measure_all_pairs(const Communicator& comm, const BenchOptions& options, Progress& progress, BenchOutput& output) {
+    const auto sizes =
+        parse_sizes(!options.grains.empty() ? options.grains.c_str() : (options.quick ? "3000" : default_pair_sizes));
+    const auto block =
+        settle_block(Communicator::alone(), block_grains, effort_for(block_grains, options.quick).settle_steps);
+    std::vector<PairFigures> figures;
+    for (const auto grains : sizes) {
+        progress.info(fmt::format("bench: {} pairs at {} grains", options.pairs, grains));
+        figures.push_back(measure_pairs(comm, block, grains, options.pairs, options.quick ? 0.005 : 0.2));
+    }
+    output.show(pair_table(figures));
+}
+
+void check(const Communicator& comm, const BenchOptions& options) {
+    if (!options.grains.empty()) {
+        parse_sizes(options.grains);
+    }
+    if (options.pairs != 0 && comm.size() == 1) {
+        throw InputError("--pairs: compares one rank with several, found 1; start it under mpirun -n 2");
+    }
+}
+
+} // namespace
+
+std::vector<std::int64_t> parse_sizes(std::string_view text) {
+    std::vector<std::int64_t> sizes;
+    for (std::size_t at = 0; at <= text.size();) {
+        const auto comma = std::min(text.find(',', at), text.size());
+        const auto item = text.substr(at, comma - at);
+        std::int64_t n = 0;
+        const auto [end, error] = std::from_chars(item.data(), item.data() + item.size(), n);
+        if (error != std::errc() || end != item.data() + item.size() || n < block_grains || n > most_grains) {
+            throw InputError(fmt::format("--grains: must be whole numbers from {} (one settled block, of which samples "
+                                         "are made) to {}, found '{}'; write them with commas between: {}",
+                                         block_grains, most_grains, item, default_sizes));
+        }
+        sizes.push_back(n);
+        at = comma + 1;
+    }
+    return sizes;
+}
+
+ExitCode bench(const Communicator& comm, const BenchOptions& options) {
+    check(comm, options);
+    Progress progress(Progress::for_rank(comm.is_root()));
+    BenchOutput output(comm, options, machine_of(comm));
+    const double total = seconds_of([&] {
+        if (options.pairs != 0) {
+            measure_all_pairs(comm, options, progress, output);
+        } else {
+            measure_sizes(comm, options, progress, output);
+        }
+    });
+    output.save();
+    progress.info(fmt::format("bench: {:.0f} s", comm.max(total)));
+    return ExitCode::done;
+}
+
+} // namespace nappe

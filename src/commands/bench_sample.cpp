@@ -1,0 +1,107 @@
+#include "commands/bench_sample.hpp"
+
+#include "commands/bench_memory.hpp"
+#include "core/initial_grains.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nappe {
+
+namespace {
+
+constexpr double height = 30;        // m
+constexpr double area_per_disk = .9; // m², pores included, of radii 0.42-0.56 m as deposited
+enum : int { floor_wall = 0, left_wall = 1, right_wall = 2 };
+
+Stage stage_of(const char* name, int sweeps) {
+    Stage stage;
+    stage.name = name;
+    stage.duration = 1; // binds nobody who counts steps
+    stage.solver.h = 0.025;
+    stage.solver.sweeps = sweeps;
+    return stage;
+}
+
+} // namespace
+
+Scene<2> bench_scene(double length) {
+    Scene<2> scene;
+    scene.title = "a settled block repeated";
+    scene.gravity = {0, -9.81};
+    scene.materials = {{"rock", 2800.0}};
+    scene.laws = {{0, 0, 0.4, 0.0}};
+    Sample<2> sample;
+    sample.radii = {RadiusLaw::Kind::uniform, 0.42, 0.56};
+    sample.profile = {{0, 0}, {length, 0}, {length, height}, {0, height}};
+    scene.sample = sample;
+    scene.walls = {{"floor", 0, {{0, 0}, {length, 0}}, {}},
+                   {"left", 0, {{0, 2 * height}, {0, 0}}, {}},
+                   {"right", 0, {{length, 0}, {length, 2 * height}}, {}}};
+    scene.stages = {stage_of("100 sweeps", 100), stage_of("10 sweeps", 10)};
+    // A run looks at the balance every so many steps; a bench of a few steps has to look at once.
+    scene.balance.every = 1;
+    return scene;
+}
+
+SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps) {
+    SettledBlock block;
+    block.length = static_cast<double>(grains) * area_per_disk / height;
+    Simulation<2> simulation(alone, bench_scene(block.length), disk_kernels());
+    simulation.load(initial_grains(simulation.scene()), {}, simulation.settings().h);
+    simulation.start_stage(static_cast<int>(BenchStage::sweeps_100));
+    for (int k = 0; k < steps; ++k) {
+        simulation.step();
+    }
+    block.grains = simulation.grain_rows();
+    std::sort(block.grains.begin(), block.grains.end(), [](const auto& p, const auto& q) { return p.id < q.id; });
+    block.impulses = simulation.contact_rows();
+    return block;
+}
+
+std::int64_t n_copies(const SettledBlock& block, std::int64_t grains) {
+    const auto n = static_cast<std::int64_t>(block.grains.size());
+    return std::max<std::int64_t>(1, (grains + n / 2) / n);
+}
+
+BenchSample repeat_block(const SettledBlock& block, std::int64_t first, std::int64_t last, std::int64_t n) {
+    BenchSample sample;
+    const auto copies = static_cast<std::size_t>(last - first);
+    sample.grains.reserve(copies * block.grains.size());
+    sample.impulses.reserve(copies * block.impulses.size());
+    const Walls<2> walls(bench_scene(block.length).walls); // a longer box has the same features in the same order
+    const auto per_copy = static_cast<GlobalId>(block.grains.size());
+    for (auto c = first; c < last; ++c) {
+        for (auto row : block.grains) {
+            row.id += c * per_copy;
+            row.x[0] += static_cast<double>(c) * block.length;
+            sample.grains.push_back(row);
+        }
+        for (auto row : block.impulses) {
+            if (row.hi >= wall_key) {
+                const int wall = walls.feature(static_cast<int>(row.hi - wall_key)).wall;
+                if ((wall == left_wall && c > 0) || (wall == right_wall && c + 1 < n)) {
+                    continue;
+                }
+            } else {
+                row.hi += c * per_copy;
+            }
+            row.lo += c * per_copy;
+            sample.impulses.push_back(row);
+        }
+    }
+    return sample;
+}
+
+void load_copies(Simulation<2>& simulation, const SettledBlock& block, std::int64_t n) {
+    const auto& comm = simulation.comm();
+    const auto stage = static_cast<int>(BenchStage::sweeps_100);
+    {
+        const auto share = repeat_block(block, n * comm.rank() / comm.size(), n * (comm.rank() + 1) / comm.size(), n);
+        simulation.load(share.grains, share.impulses, simulation.scene().stages[stage].solver.h);
+    }
+    return_free_memory();
+    simulation.start_stage(stage);
+}
+
+} // namespace nappe

@@ -1,0 +1,49 @@
+#pragma once
+// The sample of `nappe bench`: a settled block of disks, repeated side by side. Cheap to make at any size, and the same
+// contacts per grain at all of them.
+
+#include "core/rows.hpp"
+#include "core/scene.hpp"
+#include "solver/simulation.hpp"
+
+#include <vector>
+
+namespace nappe {
+
+/// Index of the scene's stages: how many sweeps a step has.
+enum class BenchStage : int { sweeps_100 = 0, sweeps_10 = 1 };
+
+inline constexpr std::int64_t block_grains = 3000; ///< about so many are in a block
+
+/// Disks of jobs/fold.toml in a box 30 m high, at rest in [0, length] up to what gravity still presses.
+struct SettledBlock {
+    double length = 0; ///< [m]
+    std::vector<GrainRow<2>> grains;
+    std::vector<ContactRow<2>> impulses;
+};
+
+/// A box for so many blocks, with the stages of BenchStage.
+Scene<2> bench_scene(double length);
+
+/// **Local** if comm is of one rank only, as it should be: deposits a block and lets it settle for `steps` steps of 100
+/// sweeps; the same bits wherever it is done. @param grains about how many
+SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps);
+
+/// How many blocks make a sample of about so many grains.
+std::int64_t n_copies(const SettledBlock& block, std::int64_t grains);
+
+/// Rows of a sample.
+struct BenchSample {
+    std::vector<GrainRow<2>> grains;
+    std::vector<ContactRow<2>> impulses;
+};
+
+/// **Local.** Copies [first, last) of n: ids follow each other, x moves on by a block's length. Impulses on the floor
+/// and between the grains of a copy come along; those on the side walls where the copy stands at that wall.
+BenchSample repeat_block(const SettledBlock& block, std::int64_t first, std::int64_t last, std::int64_t n);
+
+/// **Collective.** Loads a simulation of bench_scene(n * block.length) with n copies, each rank making its share, and
+/// starts the stage; nothing of the rows stays in memory.
+void load_copies(Simulation<2>& simulation, const SettledBlock& block, std::int64_t n);
+
+} // namespace nappe
