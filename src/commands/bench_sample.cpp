@@ -4,7 +4,7 @@
 #include "core/initial_grains.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 
 namespace nappe {
 
@@ -44,10 +44,24 @@ Scene<2> bench_scene(double length) {
     return scene;
 }
 
+namespace {
+
+/// The box in which a block settles: side walls without friction (see repeat_block).
+Scene<2> block_scene(double length) {
+    auto scene = bench_scene(length);
+    scene.materials.push_back({"smooth", 0.0});
+    scene.laws.push_back({0, 1, 0.0, 0.0});
+    scene.walls[left_wall].material = 1;
+    scene.walls[right_wall].material = 1;
+    return scene;
+}
+
+} // namespace
+
 SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps) {
     SettledBlock block;
     block.length = static_cast<double>(grains) * area_per_disk / height;
-    Simulation<2> simulation(alone, bench_scene(block.length), disk_kernels());
+    Simulation<2> simulation(alone, block_scene(block.length), disk_kernels());
     simulation.load(initial_grains(simulation.scene()), {}, simulation.settings().h);
     simulation.start_stage(static_cast<int>(BenchStage::sweeps_100));
     for (int k = 0; k < steps; ++k) {
@@ -64,30 +78,67 @@ std::int64_t n_copies(const SettledBlock& block, std::int64_t grains) {
     return std::max<std::int64_t>(1, (grains + n / 2) / n);
 }
 
+namespace {
+
+/// One copy of a block: its rows from the block's.
+struct Copy {
+    std::int64_t c = 0;
+    std::int64_t n = 1; ///< copies in all
+    GlobalId first_id = 0, next_id = 0;
+    double length = 0; ///< of a block [m]
+
+    bool mirrored() const { return c % 2 != 0; }
+
+    GrainRow<2> grain(GrainRow<2> row) const {
+        row.id += first_id;
+        if (mirrored()) {
+            row.x[0] = length - row.x[0];
+            row.v[0] = -row.v[0];
+            row.spin[0] = -row.spin[0];
+            row.rotation[0] = -row.rotation[0];
+        }
+        row.x[0] += static_cast<double>(c) * length;
+        return row;
+    }
+
+    /// @param wall that the contact is with, -1 between grains. Nothing for contacts that the copy before reports, and for
+    /// an image of the left wall at the right end of the box: the next step finds those few anew.
+    std::optional<ContactRow<2>> contact(ContactRow<2> row, int wall) const {
+        const auto grain = row.lo;
+        row.lo += first_id;
+        row.r_t[0] = mirrored() ? -row.r_t[0] : row.r_t[0];
+        if (wall < 0) {
+            row.hi += first_id;
+        } else if (wall != floor_wall) {
+            const bool to_the_right = (wall == right_wall) != mirrored();
+            if (to_the_right && c + 1 < n) {
+                row.hi = grain + next_id;
+            } else if (mirrored() || (!to_the_right && c > 0)) {
+                return std::nullopt;
+            }
+        }
+        return row;
+    }
+};
+
+} // namespace
+
 BenchSample repeat_block(const SettledBlock& block, std::int64_t first, std::int64_t last, std::int64_t n) {
     BenchSample sample;
-    const auto copies = static_cast<std::size_t>(last - first);
-    sample.grains.reserve(copies * block.grains.size());
-    sample.impulses.reserve(copies * block.impulses.size());
+    sample.grains.reserve(static_cast<std::size_t>(last - first) * block.grains.size());
+    sample.impulses.reserve(static_cast<std::size_t>(last - first) * block.impulses.size());
     const Walls<2> walls(bench_scene(block.length).walls); // a longer box has the same features in the same order
     const auto per_copy = static_cast<GlobalId>(block.grains.size());
     for (auto c = first; c < last; ++c) {
-        for (auto row : block.grains) {
-            row.id += c * per_copy;
-            row.x[0] += static_cast<double>(c) * block.length;
-            sample.grains.push_back(row);
+        const Copy copy{c, n, c * per_copy, (c + 1) * per_copy, block.length};
+        for (const auto& row : block.grains) {
+            sample.grains.push_back(copy.grain(row));
         }
-        for (auto row : block.impulses) {
-            if (row.hi >= wall_key) {
-                const int wall = walls.feature(static_cast<int>(row.hi - wall_key)).wall;
-                if ((wall == left_wall && c > 0) || (wall == right_wall && c + 1 < n)) {
-                    continue;
-                }
-            } else {
-                row.hi += c * per_copy;
+        for (const auto& row : block.impulses) {
+            const int wall = row.hi < wall_key ? -1 : walls.feature(static_cast<int>(row.hi - wall_key)).wall;
+            if (const auto copied = copy.contact(row, wall)) {
+                sample.impulses.push_back(*copied);
             }
-            row.lo += c * per_copy;
-            sample.impulses.push_back(row);
         }
     }
     return sample;

@@ -15,7 +15,7 @@ enum class BenchStage : int { sweeps_100 = 0, sweeps_10 = 1 };
 
 inline constexpr std::int64_t block_grains = 3000; ///< about so many are in a block
 
-/// Disks of jobs/fold.toml in a box 30 m high, at rest in [0, length] up to what gravity still presses.
+/// Disks of jobs/fold.toml settled in a bed 30 m high between smooth walls, inside [0, length].
 struct SettledBlock {
     double length = 0; ///< [m]
     std::vector<GrainRow<2>> grains;
@@ -38,8 +38,10 @@ struct BenchSample {
     std::vector<ContactRow<2>> impulses;
 };
 
-/// **Local.** Copies [first, last) of n: ids follow each other, x moves on by a block's length. Impulses on the floor
-/// and between the grains of a copy come along; those on the side walls where the copy stands at that wall.
+/// **Local.** Copies [first, last) of n: ids follow each other, every other copy is the mirror image of the one before.
+/// So a grain that leant on a side wall, which was smooth, now leans on its own image with the same force, and the whole
+/// is at rest as the block was. (Rejected: copies all alike; what leant on a wall falls into the gaps beyond it.)
+/// Impulses come along.
 BenchSample repeat_block(const SettledBlock& block, std::int64_t first, std::int64_t last, std::int64_t n);
 
 /// **Collective.** Loads a simulation of bench_scene(n * block.length) with n copies, each rank making its share, and
