@@ -21,21 +21,19 @@ constexpr std::int64_t most_grains = 100'000'000;
 /// How long to measure: enough for medians, little enough for minutes in all.
 struct Effort {
     int settle_steps = 200;
-    int steps = 10;             ///< that are timed
-    int rounds = 11;            ///< of kernels
-    int rebuilds = 7;           ///< that are timed
-    double seconds = 0.02;      ///< of a kernel's turn
-    double triad_seconds = 0.3; ///< at one size
+    int steps = 10;   ///< that are timed
+    int rebuilds = 7; ///< that are timed
+    ComparisonEffort kernels;
 };
 
 Effort effort_for(std::int64_t grains, bool quick) {
     Effort effort;
     if (quick) {
-        return {50, 2, 3, 2, 0.002, 0.02};
+        return {50, 2, 2, {3, 0.002, 0.02}};
     }
     if (grains > 50'000) {
         effort.steps = grains > 1'000'000 ? 2 : 4;
-        effort.rounds = grains > 1'000'000 ? 5 : 7;
+        effort.kernels.rounds = grains > 1'000'000 ? 5 : 7;
         effort.rebuilds = 3;
     }
     return effort;
@@ -99,13 +97,6 @@ nlohmann::ordered_json machine_of(const Communicator& comm) {
     return describe_machine(comm.size(), kernels);
 }
 
-/// Bytes that a sweep moves on the rank that has most of them.
-std::int64_t bytes_of_sweep(const Simulation<2>& simulation) {
-    return simulation.comm().max(
-        static_cast<std::int64_t>(bytes_per_contact_relaxed * static_cast<double>(simulation.contacts().n_active()) +
-                                  bytes_per_grain_swept * static_cast<double>(simulation.state().n_own)));
-}
-
 SizeFigures measure_size(const Communicator& comm, const SettledBlock& block, std::int64_t grains,
                          const Effort& effort) {
     SizeFigures figures;
@@ -120,16 +111,15 @@ SizeFigures measure_size(const Communicator& comm, const SettledBlock& block, st
     figures.at_10 = measure_steps(simulation, BenchStage::sweeps_10, effort.steps);
     figures.at_100 = measure_steps(simulation, BenchStage::sweeps_100, effort.steps);
     figures.grains = simulation.domain().n_grains();
-    figures.contacts = comm.sum(simulation.contacts().n_active());
     const auto resident = resident_of_all(comm);
     figures.memory.steady = resident.now;
     figures.memory.highest = resident.highest;
-    figures.memory.budget = 250 * static_cast<double>(figures.grains) + 120 * static_cast<double>(figures.contacts);
 
     figures.rebuild_ns = measure_rebuild(simulation, effort.rebuilds);
     simulation.step();
-    figures.triad = measure_triad(comm, bytes_of_sweep(simulation), effort.triad_seconds);
-    figures.kernels = compare_kernels(simulation, effort.rounds, effort.seconds);
+    figures.kernels = compare_kernels(simulation, effort.kernels);
+    figures.contacts = figures.kernels.contacts;
+    figures.memory.budget = 250 * static_cast<double>(figures.grains) + 120 * static_cast<double>(figures.contacts);
     return figures;
 }
 

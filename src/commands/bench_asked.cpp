@@ -53,7 +53,7 @@ void ask_of_one_core(AskedTable& table, const SizeFigures& fold) {
 
 void ask_of_growth(AskedTable& table, const SizeFigures& fold, const SizeFigures& large) {
     const double ns = large.kernels.fastest().ns.median / fold.kernels.fastest().ns.median;
-    const double triad = fold.triad.best / large.triad.best;
+    const double triad = fold.kernels.triad.best / large.kernels.triad.best;
     table.most("2.7M over 43k: ns per relaxation, over the triad's ratio", ns / triad, 1.5);
     table.most("2.7M over 43k: rebuild per grain", large.rebuild_ns.median / fold.rebuild_ns.median, 1.3);
 }

@@ -98,32 +98,24 @@ const KernelFigures* KernelComparison::find(const std::string& name) const {
 namespace {
 
 struct Contender {
-    KernelFigures figures;
+    std::string name;
     std::function<void(int)> sweep;
-    std::vector<double> ns; ///< of every round
+    int sweeps = 1;           ///< in a turn
+    std::vector<double> ns{}; ///< per relaxation, of every round
 };
 
 std::vector<Contender> contenders(const Communicator& comm, SweepProblem& problem) {
     std::vector<Contender> all;
-    const auto add = [&](const char* name, std::function<void(int)> sweep) {
-        all.emplace_back();
-        all.back().figures.name = name;
-        all.back().sweep = std::move(sweep);
-    };
-    add(reference_name, [&problem](int n) { problem.sweep_list(n); });
+    all.push_back({reference_name, [&problem](int n) { problem.sweep_list(n); }});
     for (const DiskKernels* kernels : kernels_everywhere(comm)) {
-        add(kernels->name, [&problem, kernels](int n) { problem.sweep(*kernels, n); });
+        all.push_back({kernels->name, [&problem, kernels](int n) { problem.sweep(*kernels, n); }});
     }
     return all;
 }
 
-} // namespace
-
-KernelComparison compare_kernels(const Simulation<2>& simulation, int rounds, double seconds) {
-    const auto& comm = simulation.comm();
-    const auto alone = Communicator::alone();
-    SweepProblem problem(alone, simulation);
-    auto all = contenders(comm, problem);
+/// Turns of all in rounds; ns of a turn by the slowest rank. @param contacts of this rank
+void take_turns(const Communicator& comm, std::vector<Contender>& all, std::int64_t contacts,
+                const ComparisonEffort& effort) {
     const auto timed = [&](const Contender& c, int sweeps) {
         comm.barrier();
         return seconds_of([&] { c.sweep(sweeps); });
@@ -131,28 +123,47 @@ KernelComparison compare_kernels(const Simulation<2>& simulation, int rounds, do
     for (auto& c : all) {
         timed(c, 1); // brings it into the caches
         const double once = std::max(comm.max(timed(c, 1)), 1e-9);
-        c.figures.sweeps = static_cast<int>(std::clamp(std::ceil(seconds / once), 1.0, 1e6));
+        c.sweeps = static_cast<int>(std::clamp(std::ceil(effort.seconds / once), 1.0, 1e6));
     }
-    const auto mine = static_cast<double>(problem.n_contacts());
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < effort.rounds; ++round) {
         for (auto& c : all) {
-            const double t = timed(c, c.figures.sweeps);
-            c.ns.push_back(comm.max(mine > 0 ? 1e9 * t / (mine * c.figures.sweeps) : 0.0));
+            const double t = timed(c, c.sweeps);
+            const auto relaxed = static_cast<double>(contacts) * c.sweeps;
+            c.ns.push_back(comm.max(contacts > 0 ? 1e9 * t / relaxed : 0.0));
         }
     }
+}
+
+std::vector<KernelFigures> compare(const std::vector<Contender>& kernels, const Contender& triad) {
+    const auto median = [](const Contender& c) { return quartiles(c.ns).median; };
+    const auto fastest = std::min_element(kernels.begin(), kernels.end(),
+                                          [&](const auto& p, const auto& q) { return median(p) < median(q); });
+    std::vector<KernelFigures> figures;
+    for (const auto& c : kernels) {
+        figures.push_back({c.name, c.sweeps, quartiles(c.ns), quartiles(ratios(kernels.front().ns, c.ns)),
+                           quartiles(ratios(c.ns, fastest->ns)), quartiles(ratios(c.ns, triad.ns))});
+    }
+    return figures;
+}
+
+} // namespace
+
+KernelComparison compare_kernels(const Simulation<2>& simulation, const ComparisonEffort& effort) {
+    const auto& comm = simulation.comm();
+    const auto alone = Communicator::alone();
+    SweepProblem problem(alone, simulation);
+    Triad triad(bytes_per_contact_relaxed * problem.n_contacts() + bytes_per_grain_swept * simulation.state().n_own);
     KernelComparison result;
+    result.triad = measure_triad(comm, triad, effort.triad_seconds);
+    auto all = contenders(comm, problem);
+    all.push_back({"triad", [&triad](int n) { triad.pass(n); }});
+    take_turns(comm, all, problem.n_contacts(), effort);
+    const auto of_triad = std::move(all.back());
+    all.pop_back();
+    result.kernels = compare(all, of_triad);
     result.contacts = comm.sum(problem.n_contacts());
     const auto slots = comm.sum(problem.n_slots());
     result.fill = slots > 0 ? static_cast<double>(result.contacts) / static_cast<double>(slots) : 0.0;
-    for (auto& c : all) {
-        c.figures.ns = quartiles(c.ns);
-        result.kernels.push_back(c.figures);
-    }
-    const auto fastest = &result.fastest() - result.kernels.data();
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        result.kernels[k].times_reference = quartiles(ratios(all.front().ns, all[k].ns));
-        result.kernels[k].over_fastest = quartiles(ratios(all[k].ns, all[fastest].ns));
-    }
     return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include "commands/bench_loops.hpp"
 #include "commands/bench_statistics.hpp"
+#include "commands/bench_triad.hpp"
 #include "solver/simulation.hpp"
 
 #include <string>
@@ -13,6 +14,14 @@ namespace nappe {
 
 /// **Collective.** The sets of disk_kernels() that the processors of all ranks have, narrowest first.
 std::vector<const DiskKernels*> kernels_everywhere(const Communicator& comm);
+
+/// Bytes of memory traffic that a relaxation is charged with, bodies apart: a contact of 56 bytes read, its two
+/// impulses written back. Fixed by what the mechanics needs, not by what the code moves: a fatter contact is our loss,
+/// not a higher roof.
+inline constexpr std::int64_t bytes_per_contact_relaxed = 72;
+
+/// A grain's BodyVelocity read and written once in the sweep of its tile.
+inline constexpr std::int64_t bytes_per_grain_swept = 64;
 
 /// The contact problem that the next step of a simulation would have if its contacts were detected where the grains are:
 /// packed in the order of tiles, and as a list. Both start with the same impulses, from the same velocities. Local, and
@@ -58,11 +67,13 @@ struct KernelFigures {
     Quartiles ns;              ///< per relaxation and rank
     Quartiles times_reference; ///< how many times faster than the list-order reference, round by round
     Quartiles over_fastest;    ///< time over that of the fastest kernel, round by round
+    Quartiles over_triad;      ///< time over what the bytes would take at the triad's pace, round by round
 };
 
 struct KernelComparison {
     std::int64_t contacts = 0;          ///< of all ranks
     double fill = 0;                    ///< contacts over slots of batches
+    TriadFigures triad;                 ///< on as many bytes as a sweep moves
     std::vector<KernelFigures> kernels; ///< the reference first
 
     const KernelFigures& fastest() const;
@@ -71,8 +82,13 @@ struct KernelComparison {
 
 inline constexpr const char* reference_name = "list order";
 
-/// **Collective.** Rounds a b c … a b c …, all ranks at once, each on its part; a kernel's turn lasts `seconds` at
-/// least.
-KernelComparison compare_kernels(const Simulation<2>& simulation, int rounds, double seconds);
+struct ComparisonEffort {
+    int rounds = 11;
+    double seconds = 0.02;      ///< of a kernel's turn, at least
+    double triad_seconds = 0.3; ///< of the triad by itself, before the rounds
+};
+
+/// **Collective.** Rounds a b c … a b c … of the kernels and the triad, all ranks at once, each on its part.
+KernelComparison compare_kernels(const Simulation<2>& simulation, const ComparisonEffort& effort);
 
 } // namespace nappe

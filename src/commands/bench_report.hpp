@@ -5,24 +5,14 @@
 #include "commands/bench_pairs.hpp"
 #include "commands/bench_steps.hpp"
 #include "commands/bench_table.hpp"
-#include "commands/bench_triad.hpp"
 
 #include <vector>
 
 namespace nappe {
 
-/// Bytes of memory traffic that a relaxation is charged with, bodies apart: a contact of 56 bytes read, its two impulses
-/// written back. Fixed by what the mechanics needs, not by what the code moves: a fatter contact is our loss, not a higher
-/// roof.
-inline constexpr double bytes_per_contact_relaxed = 72;
-
-/// A grain's BodyVelocity read and written once in the sweep of its tile.
-inline constexpr double bytes_per_grain_swept = 64;
-
 /// All that is measured at one size.
 struct SizeFigures {
     std::int64_t grains = 0, contacts = 0; ///< of all ranks
-    TriadFigures triad;                    ///< at the bytes that a sweep is charged with
     KernelComparison kernels;
     StepFigures at_100, at_10; ///< by sweeps per step
     Quartiles rebuild_ns;
@@ -32,7 +22,7 @@ struct SizeFigures {
         return bytes_per_contact_relaxed +
                bytes_per_grain_swept * static_cast<double>(grains) / static_cast<double>(contacts);
     }
-    double roof_ns() const { return bytes_per_relaxation() / triad.best; } ///< per relaxation and rank
+    double roof_ns() const { return bytes_per_relaxation() / kernels.triad.best; } ///< per relaxation and rank
 };
 
 BenchTable bandwidth_table(const std::vector<SizeFigures>& sizes);

@@ -4,56 +4,59 @@
 #include "commands/bench_statistics.hpp"
 
 #include <algorithm>
-#include <vector>
 
 namespace nappe {
 
-namespace {
+Triad::Triad(std::int64_t bytes) {
+    const auto n_lines = static_cast<std::size_t>(std::max<std::int64_t>(1, bytes / (3 * sizeof(Line))));
+    const auto filled = [n_lines](double value) {
+        Line line;
+        line.value.fill(value);
+        return std::vector<Line>(n_lines, line);
+    };
+    a_ = filled(0);
+    b_ = filled(b_value);
+    c_ = filled(c_value);
+}
 
-struct alignas(64) Line {
-    double value[8];
-};
+void Triad::pass(int times) {
+    const auto n = static_cast<std::int64_t>(8 * a_.size());
+    for (int k = 0; k < times; ++k) {
+        bench_loops().triad(a_.front().value.data(), b_.front().value.data(), c_.front().value.data(), s, n);
+    }
+}
 
-/// Pages are touched when it is made. 64-byte boundaries: else every vector load of 512 bits crosses two lines.
-struct Array {
-    Array(std::int64_t n_lines, double value)
-        : lines(static_cast<std::size_t>(n_lines), Line{value, value, value, value, value, value, value, value}) {}
-    double* data() { return lines.front().value; }
-    std::vector<Line> lines;
-};
+std::int64_t Triad::bytes() const {
+    return triad_bytes * static_cast<std::int64_t>(8 * a_.size());
+}
 
-} // namespace
+bool Triad::right() const {
+    return std::all_of(a_.begin(), a_.end(), [](const Line& line) {
+        return std::all_of(line.value.begin(), line.value.end(), [](double x) { return x == b_value + s * c_value; });
+    });
+}
 
-TriadFigures measure_triad(const Communicator& comm, std::int64_t bytes, double seconds) {
-    constexpr int least_samples = 10;
+TriadFigures measure_triad(const Communicator& comm, Triad& triad, double seconds) {
+    constexpr std::size_t least_samples = 10;
     constexpr double least_time = 1e-3; // s a timing: the clock's own time must not show
-    constexpr double s = 3;
-    const auto n_lines = std::max<std::int64_t>(1, bytes / (3 * static_cast<std::int64_t>(sizeof(Line))));
-    const auto n = 8 * n_lines;
-    Array a(n_lines, 0), b(n_lines, 1), c(n_lines, 2);
-    const auto& loops = bench_loops();
     const auto timed = [&](int passes) {
         comm.barrier();
-        return comm.max(seconds_of([&] {
-            for (int k = 0; k < passes; ++k) {
-                loops.triad(a.data(), b.data(), c.data(), s, n);
-            }
-        }));
+        return comm.max(seconds_of([&] { triad.pass(passes); }));
     };
     timed(1);
     const int passes = static_cast<int>(std::clamp(least_time / std::max(timed(1), 1e-9), 1.0, 1e6));
     std::vector<double> rates;
-    for (double spent = 0; spent < seconds || static_cast<int>(rates.size()) < least_samples;) {
+    for (double spent = 0; spent < seconds || rates.size() < least_samples;) {
         const double t = timed(passes);
         spent += t;
-        rates.push_back(1e-9 * static_cast<double>(triad_bytes * n * passes) / t);
+        rates.push_back(1e-9 * static_cast<double>(triad.bytes() * passes) / t);
     }
     TriadFigures figures;
-    figures.bytes = comm.max(triad_bytes * n);
+    figures.bytes = comm.max(triad.bytes());
     figures.best = *std::max_element(rates.begin(), rates.end());
     figures.median = quartiles(rates).median;
     figures.samples = static_cast<int>(rates.size());
-    figures.right = std::all_of(a.data(), a.data() + n, [](double value) { return value == 1 + s * 2; });
+    figures.right = comm.bit_or(triad.right() ? 0u : 1u) == 0;
     return figures;
 }
 
