@@ -47,7 +47,8 @@ public:
         json_["version"] = program_version();
         json_["quick"] = options.quick;
         json_["machine"] = std::move(machine);
-        // Now too, so that a file that can not be written is known before minutes are spent.
+        // Now too, and after every size: a file that can not be written is known before minutes are spent, and a run
+        // that is stopped leaves what it has.
         save();
         print("Machine and build\n");
         for (const auto& [key, value] : json_["machine"].items()) {
@@ -56,11 +57,15 @@ public:
         print("\n");
     }
 
-    void show(const BenchTable& table) {
-        if (!table.empty()) {
-            json_[table.key()] = table.json();
-            print(table.text());
+    /// Into the JSON; printed at the end only, a table for all sizes.
+    void take(const std::vector<BenchTable>& tables, bool last) {
+        for (const auto& table : tables) {
+            if (!table.empty()) {
+                json_[table.key()] = table.json();
+                print(last ? table.text() : "");
+            }
         }
+        save();
     }
 
     /// **Collective.** Throws SystemError.
@@ -132,15 +137,14 @@ void measure_sizes(const Communicator& comm, const BenchOptions& options, Progre
     for (const auto grains : sizes) {
         progress.info(fmt::format("bench: {} grains", grains));
         figures.push_back(measure_size(comm, block, grains, effort_for(grains, options.quick)));
+        std::vector<BenchTable> tables = {bandwidth_table(figures), kernel_table(figures), step_table(figures)};
+        if (comm.size() > 1) {
+            tables.push_back(exchange_table(figures));
+        }
+        tables.push_back(memory_table(figures));
+        tables.push_back(asked_table(figures, comm.size()));
+        output.take(tables, figures.size() == sizes.size());
     }
-    output.show(bandwidth_table(figures));
-    output.show(kernel_table(figures));
-    output.show(step_table(figures));
-    if (comm.size() > 1) {
-        output.show(exchange_table(figures));
-    }
-    output.show(memory_table(figures));
-    output.show(asked_table(figures, comm.size()));
 }
 
 void measure_all_pairs(const Communicator& comm, const BenchOptions& options, Progress& progress, BenchOutput& output) {
@@ -152,8 +156,8 @@ void measure_all_pairs(const Communicator& comm, const BenchOptions& options, Pr
     for (const auto grains : sizes) {
         progress.info(fmt::format("bench: {} pairs at {} grains", options.pairs, grains));
         figures.push_back(measure_pairs(comm, block, grains, options.pairs, options.quick ? 0.005 : 0.2));
+        output.take({pair_table(figures)}, figures.size() == sizes.size());
     }
-    output.show(pair_table(figures));
 }
 
 void check(const Communicator& comm, const BenchOptions& options) {
@@ -196,7 +200,6 @@ ExitCode bench(const Communicator& comm, const BenchOptions& options) {
             measure_sizes(comm, options, progress, output);
         }
     });
-    output.save();
     progress.info(fmt::format("bench: {:.0f} s", comm.max(total)));
     return ExitCode::done;
 }

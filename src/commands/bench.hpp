@@ -1,6 +1,6 @@
 #pragma once
-// `nappe bench`: what this machine allows and what nappe makes of it, in one run: bandwidth and the roofline it implies,
-// kernels, steps, rebuilds, memory; or, with pairs, one rank against all.
+// `nappe bench`: what this machine allows and what nappe makes of it, in one run: bandwidth and the roofline it
+// implies, kernels, steps, rebuilds, memory; or, with pairs, one rank against all.
 
 #include "core/error.hpp"
 #include "parallel/communicator.hpp"

@@ -23,9 +23,9 @@ inline constexpr std::int64_t bytes_per_contact_relaxed = 72;
 /// A grain's BodyVelocity read and written once in the sweep of its tile.
 inline constexpr std::int64_t bytes_per_grain_swept = 64;
 
-/// The contact problem that the next step of a simulation would have if its contacts were detected where the grains are:
-/// packed in the order of tiles, and as a list. Both start with the same impulses, from the same velocities. Local, and
-/// so is all it does: the part of this rank, without the exchange.
+/// The contact problem that the next step of a simulation would have if its contacts were detected where the grains
+/// are: packed in the order of tiles, and as a list. Both start with the same impulses, from the same velocities.
+/// Local, and so is all it does: the part of this rank, without the exchange.
 class SweepProblem {
 public:
     /// @param alone a communicator of this rank only; must outlive this

@@ -1,10 +1,10 @@
 // The reference loop and the triad, one source for all instruction sets: included by bench_loops_*.cpp, each compiled
 // with the flags of solver/disk_sweep_*.cpp. Unnamed namespace and no library code, for the reason given there.
 //
-// The reference is the loop one writes first: a struct per contact, contacts in the order of (lo id, hi id) over the whole
-// sample, bodies in the order of ids. Its arithmetic is that of solver/disk_sweep.inl, operation by operation, so that a
-// contact gives the same bits; only the order of contacts differs. A contact needs what the one before it wrote, so
-// that no compiler can vectorise it.
+// The reference is the loop one writes first: a struct per contact, contacts in the order of (lo id, hi id) over the
+// whole sample, bodies in the order of ids. Its arithmetic is that of solver/disk_sweep.inl, operation by operation, so
+// that a contact gives the same bits; only the order of contacts differs. A contact needs what the one before it wrote,
+// so that no compiler can vectorise it.
 
 #include "commands/bench_loops.hpp"
 

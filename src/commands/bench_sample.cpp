@@ -101,8 +101,8 @@ struct Copy {
         return row;
     }
 
-    /// @param wall that the contact is with, -1 between grains. Nothing for contacts that the copy before reports, and for
-    /// an image of the left wall at the right end of the box: the next step finds those few anew.
+    /// @param wall that the contact is with, -1 between grains. Nothing for contacts that the copy before reports, and
+    /// for an image of the left wall at the right end of the box: the next step finds those few anew.
     std::optional<ContactRow<2>> contact(ContactRow<2> row, int wall) const {
         const auto grain = row.lo;
         row.lo += first_id;

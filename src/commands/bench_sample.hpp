@@ -25,8 +25,8 @@ struct SettledBlock {
 /// A box for so many blocks, with the stages of BenchStage.
 Scene<2> bench_scene(double length);
 
-/// **Local** if comm is of one rank only, as it should be: deposits a block and lets it settle for `steps` steps of 100
-/// sweeps; the same bits wherever it is done. @param grains about how many
+/// **Local.** Deposits a block and lets it settle for `steps` steps of 100 sweeps; the same bits wherever it is done.
+/// @param alone a communicator of this rank only @param grains about how many
 SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps);
 
 /// How many blocks make a sample of about so many grains.

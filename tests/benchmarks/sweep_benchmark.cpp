@@ -1,86 +1,104 @@
-// The sweep kernel alone, per instruction set and size: nanoseconds per relaxation of a deposit of disks, tile by tile,
-// on one core. Run it on a quiet machine: build/ci/tests/benchmarks/benchmark.sweep; compare figures of one run only.
-#include "core/deposit.hpp"
+// Single stages alone, at 3,000 and 43,000 disks on one core: sweep and warm start per instruction set, packing, the
+// search for candidates, colouring. `nappe bench` has the whole; this is for work on one of them. Run it on a quiet
+// machine: build/ci/tests/benchmarks/benchmark.sweep --benchmark_filter=relax; compare figures of one run only.
+#include "bench_pile.hpp"
+
 #include "core/error.hpp"
-#include "core/neighbours.hpp"
-#include "solver/disk_contacts.hpp"
 
 #include <benchmark/benchmark.h>
-
-#include <algorithm>
-#include <cmath>
-#include <memory>
 
 namespace {
 
 using namespace nappe;
+using benchmarks::pile_of;
 
-/// A box of disks as deposited, packed for a step of 0.025 s.
-struct Pile {
-    Pile(int n_grains, const DiskKernels& kernels)
-        : scene(make_scene(n_grains)), walls(scene.walls), contacts(scene, kernels) {
-        const TileGrid<2> grid(scene.origin, scene.tiles.side_for(scene.sample->radii.max));
-        std::vector<GrainRecord<2>> records;
-        for (const auto& row : deposit(*scene.sample, 2800.0, scene.gravity)) {
-            records.push_back(to_record(row));
-            records.back().margin = 0.08;
-        }
-        const auto key = [&](const GrainRecord<2>& g) { return grid.key(Vec<2>(g.x[0], g.x[1])); };
-        std::sort(records.begin(), records.end(),
-                  [&](const auto& p, const auto& q) { return key(p) != key(q) ? key(p) < key(q) : p.id < q.id; });
-        state.assign(records, {}, walls.n_bodies());
-        candidates = find_candidates(state, grid, walls, ContactMemory<2>());
-        for (LocalId i = 0; i < state.n_held(); ++i) {
-            state.u[i].v[1] -= 0.025 * 9.81;
-        }
-        contacts.pack(state, candidates, walls, 0.025, false);
-    }
+/// The seconds that one of `things` takes.
+void per(benchmark::State& run, const char* thing, std::int64_t things) {
+    const auto done = static_cast<double>(things) * static_cast<double>(run.iterations());
+    run.counters[thing] = static_cast<double>(things);
+    run.counters[std::string("s_per_") + thing] =
+        benchmark::Counter(done, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
 
-    static Scene<2> make_scene(int n_grains) {
-        Scene<2> s;
-        s.gravity = Vec<2>(0, -9.81);
-        s.materials = {{"wall", 0.0}, {"rock", 2800.0}};
-        s.laws = {{1, 1, 0.4, 0.0}, {1, 0, 0.4, 0.0}};
-        Sample<2> sample;
-        sample.material = 1;
-        sample.radii = {RadiusLaw::Kind::uniform, 0.42, 0.56};
-        const double height = 30,
-                     length = std::max(10.0, n_grains * 0.92 / height); // about 0.92 m² a disk, pores included
-        sample.profile = {{0, 0}, {length, 0}, {length, height}, {0, height}};
-        s.sample = sample;
-        s.walls = {{"box", 0, {{0, 40}, {0, 0}, {length, 0}, {length, 40}}, {}}};
-        return s;
-    }
-
-    Scene<2> scene;
-    Walls<2> walls;
-    DiskContacts contacts;
-    State<2> state;
-    CandidateSet<2> candidates;
-};
-
-void sweep(benchmark::State& run, const char* kernel) {
-    std::unique_ptr<Pile> pile;
+/// One pass over all tiles by a kernel, if this processor has it.
+template <class Pass>
+void over_tiles(benchmark::State& run, const char* kernel, Pass&& pass) {
+    const DiskKernels* kernels = nullptr;
     try {
-        pile = std::make_unique<Pile>(static_cast<int>(run.range(0)), disk_kernels(kernel));
+        kernels = &disk_kernels(kernel);
     } catch (const InputError& e) {
         run.SkipWithError(e.what());
         return;
     }
+    const auto& pile = pile_of(run.range(0));
+    auto contacts = pile.contacts(*kernels);
+    auto u = pile.state.u;
     for (auto _ : run) {
-        for (std::size_t t = 0; t < pile->contacts.n_tiles(); ++t) {
-            pile->contacts.relax(t, pile->state.u);
+        for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
+            pass(contacts, t, u);
         }
     }
-    const auto relaxations = static_cast<double>(pile->contacts.n_active()) * static_cast<double>(run.iterations());
-    run.counters["contacts"] = static_cast<double>(pile->contacts.n_active());
-    run.counters["s_per_relaxation"] =
-        benchmark::Counter(relaxations, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+    per(run, "contact", contacts.n_active());
 }
 
-BENCHMARK_CAPTURE(sweep, portable, "portable")->Arg(3000)->Arg(43000);
-BENCHMARK_CAPTURE(sweep, avx2, "avx2")->Arg(3000)->Arg(43000);
-BENCHMARK_CAPTURE(sweep, avx512, "avx512")->Arg(3000)->Arg(43000);
+void relax(benchmark::State& run, const char* kernel) {
+    over_tiles(run, kernel, [](auto& contacts, std::size_t t, auto& u) { contacts.relax(t, u); });
+}
+
+/// Impulses are nil in a fresh pile: the arithmetic is the same.
+void apply(benchmark::State& run, const char* kernel) {
+    over_tiles(run, kernel, [](auto& contacts, std::size_t t, auto& u) { contacts.apply(t, u); });
+}
+
+void pack(benchmark::State& run) {
+    const auto& pile = pile_of(run.range(0));
+    DiskContacts contacts(pile.scene, disk_kernels());
+    for (auto _ : run) {
+        contacts.pack(pile.state, pile.candidates, pile.walls, benchmarks::h, false);
+    }
+    per(run, "candidate", pile.candidates.size());
+}
+
+void search(benchmark::State& run) {
+    const auto& pile = pile_of(run.range(0));
+    for (auto _ : run) {
+        benchmark::DoNotOptimize(pile.find());
+    }
+    per(run, "grain", pile.state.n_own);
+}
+
+/// Tile by tile, contacts in the order that the search left: by class. Greedy colouring costs the same in any order but
+/// for the classes it has to look at.
+void colour(benchmark::State& run) {
+    const auto& pile = pile_of(run.range(0));
+    const auto& c = pile.candidates;
+    std::vector<std::uint64_t> used(static_cast<std::size_t>(pile.state.n_held()));
+    std::vector<std::int32_t> classes;
+    for (auto _ : run) {
+        for (const auto& tile : c.tiles) {
+            const auto begin = static_cast<std::size_t>(tile.candidates_begin);
+            const auto n = static_cast<std::size_t>(tile.candidates_end - tile.candidates_begin);
+            colour_contacts(std::span(c.a).subspan(begin, n), std::span(c.b).subspan(begin, n), pile.state.n_held(),
+                            used, classes);
+            benchmark::DoNotOptimize(classes.data());
+        }
+    }
+    per(run, "candidate", c.size());
+}
+
+void at_both_sizes(benchmark::internal::Benchmark* b) {
+    b->Arg(3000)->Arg(43000)->Unit(benchmark::kMicrosecond);
+}
+
+BENCHMARK_CAPTURE(relax, portable, "portable")->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(relax, avx2, "avx2")->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(relax, avx512, "avx512")->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(apply, portable, "portable")->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(apply, avx2, "avx2")->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(apply, avx512, "avx512")->Apply(at_both_sizes);
+BENCHMARK(pack)->Apply(at_both_sizes);
+BENCHMARK(search)->Name("find_candidates")->Apply(at_both_sizes);
+BENCHMARK(colour)->Name("colour_contacts")->Apply(at_both_sizes);
 
 } // namespace
 

@@ -1,5 +1,5 @@
-"""`nappe bench` as its users see it. Figures are asked to be there and to be positive, never to be small: how fast a shared
-machine is in a test tells nothing."""
+"""`nappe bench` as its users see it. Figures are asked to be there and to be positive, never to be small: how fast a
+shared machine is in a test tells nothing."""
 
 import json
 import pathlib

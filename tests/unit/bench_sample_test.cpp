@@ -60,7 +60,8 @@ TEST(BenchSample, SharesOfRanksMakeTheWhole) {
     EXPECT_EQ(names.size(), whole.impulses.size()) << "a contact was given twice";
 }
 
-/// A grain that leant on a wall leans on its image: no speed beyond what the block itself still has after as many steps.
+/// A grain that leant on a wall leans on its image: no speed beyond what the block itself still has after as many
+/// steps.
 /// (Copies that are not mirrored fall into each other's gaps at some 0.1 m/s.)
 TEST(BenchSample, CopiesAreAtRestAsTheBlockIs) {
     const auto alone = Communicator::alone();
