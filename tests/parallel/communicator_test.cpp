@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <limits>
+#include <thread>
 
 namespace nappe {
 namespace {
@@ -105,10 +107,26 @@ TEST(Communicator, AllRanksThrowTheTextOfTheLowestRankThatHasOne) {
 }
 
 TEST(Communicator, AloneSeesItselfOnly) {
-    const Communicator world, alone(MPI_COMM_SELF);
+    const Communicator world;
+    const auto alone = Communicator::alone();
     EXPECT_EQ(alone.size(), 1);
     EXPECT_TRUE(alone.is_root());
     EXPECT_EQ(alone.sum(world.rank()), world.rank());
+}
+
+/// Nobody gets on before the last one is there.
+TEST(Communicator, SleepyBarrierWaitsForTheLast) {
+    const Communicator world;
+    const auto now = [] { return std::chrono::steady_clock::now(); };
+    world.barrier();
+    const auto start = now();
+    const bool late = world.rank() == world.size() - 1;
+    if (late) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    world.sleepy_barrier();
+    // The late one may itself have left the first barrier a little before the others.
+    EXPECT_GT(std::chrono::duration<double>(now() - start).count(), late ? 0.05 : 0.02);
 }
 
 } // namespace
