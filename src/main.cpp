@@ -34,7 +34,8 @@ void define_bench(CLI::App& app, nappe::BenchOptions& options) {
     auto* bench =
         app.add_subcommand("bench", "measure this machine, the kernels, the steps and the memory; start it under "
                                     "mpirun for several ranks");
-    bench->footer("The default takes about three minutes and 2 GB on one core; compare figures of one run only.");
+    bench->footer(
+        "The default takes some minutes and about 3 GB, on a quiet machine; compare figures of one run only.");
     bench
         ->add_option("--grains", options.grains,
                      "sizes to measure [3000,10000,43000,172000,688000,2700000; with --pairs 10000,43000]")
