@@ -39,7 +39,8 @@ SweepProblem::SweepProblem(const Communicator& alone, const Simulation<2>& simul
     const auto& state = simulation.state();
     const auto& g = simulation.scene().gravity;
     settings_.tolerance.reset();
-    contacts_.pack(state, simulation.candidates(), simulation.walls(), settings_.h, false);
+    auto candidates = simulation.candidates(); // pack puts back what it replaces
+    contacts_.pack(state, candidates, simulation.walls(), settings_.h, false);
     for (LocalId i = 0; i < state.n_held(); ++i) {
         u_[i].v[0] += settings_.h * g[0];
         u_[i].v[1] += settings_.h * g[1];
@@ -72,6 +73,14 @@ void SweepProblem::make_list(const Simulation<2>& simulation) {
     }
     std::sort(list_.begin(), list_.end(),
               [](const auto& p, const auto& q) { return p.a != q.a ? p.a < q.a : p.b < q.b; });
+}
+
+std::int64_t SweepProblem::n_slots() const {
+    std::int64_t batches = 0;
+    for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+        batches += contacts_.n_batches(t);
+    }
+    return batches * n_lanes;
 }
 
 void SweepProblem::sweep(const DiskKernels& kernels, int n) {

@@ -38,7 +38,7 @@ public:
     void sweep_list(int n);
 
     std::int64_t n_contacts() const { return contacts_.n_active(); }
-    std::int64_t n_slots() const { return contacts_.n_slots(); }
+    std::int64_t n_slots() const; ///< lanes of all batches, null contacts included
     const DiskContacts& contacts() const { return contacts_; }
     const std::vector<BodyVelocity<2>>& u() const { return u_; }
     const std::vector<ListContact>& list() const { return list_; }

@@ -39,7 +39,8 @@ struct Pile {
     /// Packed for one step.
     DiskContacts contacts(const DiskKernels& kernels) const {
         DiskContacts packed(scene, kernels);
-        packed.pack(state, candidates, walls, h, false);
+        auto copy = candidates; // pack puts impulses back
+        packed.pack(state, copy, walls, h, false);
         return packed;
     }
 

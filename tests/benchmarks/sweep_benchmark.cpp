@@ -50,13 +50,19 @@ void apply(benchmark::State& run, const char* kernel) {
     over_tiles(run, kernel, [](auto& contacts, std::size_t t, auto& u) { contacts.apply(t, u); });
 }
 
-void pack(benchmark::State& run) {
+/// @param anew as after a rebuild; else batches stay, and only normals and biases are new
+void pack(benchmark::State& run, bool anew) {
     const auto& pile = pile_of(run.range(0));
+    auto candidates = pile.candidates;
     DiskContacts contacts(pile.scene, disk_kernels());
+    contacts.pack(pile.state, candidates, pile.walls, benchmarks::h, false);
     for (auto _ : run) {
-        contacts.pack(pile.state, pile.candidates, pile.walls, benchmarks::h, false);
+        if (anew) {
+            contacts.forget();
+        }
+        contacts.pack(pile.state, candidates, pile.walls, benchmarks::h, false);
     }
-    per(run, "candidate", pile.candidates.size());
+    per(run, "candidate", candidates.size());
 }
 
 void search(benchmark::State& run) {
@@ -90,13 +96,16 @@ void at_both_sizes(benchmark::internal::Benchmark* b) {
     b->Arg(3000)->Arg(43000)->Unit(benchmark::kMicrosecond);
 }
 
+BENCHMARK_CAPTURE(relax, scalar, "scalar")->Apply(at_both_sizes);
 BENCHMARK_CAPTURE(relax, portable, "portable")->Apply(at_both_sizes);
 BENCHMARK_CAPTURE(relax, avx2, "avx2")->Apply(at_both_sizes);
 BENCHMARK_CAPTURE(relax, avx512, "avx512")->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(apply, scalar, "scalar")->Apply(at_both_sizes);
 BENCHMARK_CAPTURE(apply, portable, "portable")->Apply(at_both_sizes);
 BENCHMARK_CAPTURE(apply, avx2, "avx2")->Apply(at_both_sizes);
 BENCHMARK_CAPTURE(apply, avx512, "avx512")->Apply(at_both_sizes);
-BENCHMARK(pack)->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(pack, anew, true)->Apply(at_both_sizes);
+BENCHMARK_CAPTURE(pack, again, false)->Apply(at_both_sizes);
 BENCHMARK(search)->Name("find_candidates")->Apply(at_both_sizes);
 BENCHMARK(colour)->Name("colour_contacts")->Apply(at_both_sizes);
 
