@@ -41,6 +41,7 @@ Scene<2> bench_scene(double length) {
     scene.stages = {stage_of("100 sweeps", 100), stage_of("10 sweeps", 10)};
     // A run looks at the balance every so many steps; a bench of a few steps has to look at once.
     scene.balance.every = 1;
+    scene.balance.moves = BalanceSettings::Moves::always; // a few steps never pay for a move
     return scene;
 }
 
