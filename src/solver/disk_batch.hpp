@@ -43,11 +43,16 @@ struct BodyArrays {
     const double* u_old;
 };
 
+/// Doubles of `u` that will be asked for next.
+struct BodyRange {
+    std::int64_t begin = 0, end = 0;
+};
+
 /// The kernels of one instruction set.
 struct DiskKernels {
     const char* name;
     /// One Gauss–Seidel pass over n batches, in order. `mixed` is nullptr where one `mu` holds for all.
-    void (*relax)(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u);
+    void (*relax)(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u, BodyRange soon);
     /// Adds the effect of the impulses that the batches hold to the velocities: a warm start.
     void (*apply)(const DiskBatch* batches, std::int64_t n, double* u);
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Returns whether any

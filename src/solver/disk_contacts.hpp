@@ -21,6 +21,8 @@ struct RawResidual {
     std::int64_t contacts = 0;
 };
 
+inline constexpr std::size_t no_tile = std::numeric_limits<std::size_t>::max();
+
 /// What packing met; ids rather than exceptions, since all ranks must hear of it together.
 struct PackFaults {
     static constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
@@ -50,10 +52,12 @@ public:
     /// Local. Whether a candidate that sleeps would have had to act, at velocities u: then the step must be redone.
     bool missed_any(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls, double h);
 
-    void relax(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
+    /// Local. One pass over a tile; `next` is the tile after it, whose bodies are fetched meanwhile, or no_tile.
+    void relax(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u) {
         const Range& r = ranges_[tile];
+        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
         kernels_->relax(batches_.data() + r.begin, laws_.uniform ? nullptr : friction_.data() + r.begin, r.n,
-                       laws_.uniform_friction, u.data()->v.data());
+                        laws_.uniform_friction, u.data()->v.data(), soon);
     }
 
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) const {
@@ -90,6 +94,7 @@ public:
     static constexpr std::size_t bytes_per_packed = sizeof(DiskBatch) / n_lanes + sizeof(std::int32_t);
 
     std::size_t bytes_per_contact() const { return bytes_per_packed + (laws_.uniform ? 0 : sizeof(double)); }
+    std::size_t bytes_swept() const { return batches_.size() * sizeof(DiskBatch); } ///< by one sweep, without bodies
     const char* instruction_set() const { return kernels_->name; }
 
 private:
@@ -98,6 +103,7 @@ private:
         std::int64_t n = 0;     ///< batches in use
         std::int64_t room = 0;  ///< batches that belong to the tile
         std::int64_t active = 0;
+        BodyRange bodies;                          ///< the tile's own
         std::int32_t asleep = 0;                   ///< entries of asleep_ from candidates_begin on
         std::int32_t walls_begin = 0, n_walls = 0; ///< entries of walls_
     };

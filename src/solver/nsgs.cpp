@@ -2,47 +2,81 @@
 
 #include "core/exact_sum.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 namespace nappe {
 
+namespace {
+
+/// Hands each tile on when the next one is known.
+template <class Relax>
+class OneBehind {
+public:
+    explicit OneBehind(Relax& relax) : relax_(relax) {}
+
+    void push(const std::vector<std::int32_t>& tiles) {
+        for (const auto t : tiles) {
+            const auto tile = static_cast<std::size_t>(t);
+            if (held_ != no_tile) {
+                relax_(held_, tile);
+            }
+            held_ = tile;
+        }
+    }
+
+    void flush() {
+        if (held_ != no_tile) {
+            relax_(held_, no_tile);
+        }
+        held_ = no_tile;
+    }
+
+private:
+    Relax& relax_;
+    std::size_t held_ = no_tile;
+};
+
+} // namespace
+
 template <int D>
 void Nsgs<D>::order_tiles(const CandidateSet<D>& candidates) {
-    for (int c = 0; c < n_tile_colours<D>; ++c) {
-        interface_[c].clear();
-        interior_[c].clear();
-    }
-    for (std::size_t t = 0; t < candidates.tiles.size(); ++t) {
-        const auto& tile = candidates.tiles[t];
-        (tile.interface ? interface_ : interior_)[tile.colour].push_back(static_cast<std::int32_t>(t));
-    }
+    order_.build(candidates);
 }
 
 template <int D>
 template <class Relax>
-void Nsgs<D>::pass(Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax) {
-    for (int colour = 0; colour < n_tile_colours<D>; ++colour) {
-        for (const auto t : interface_[colour]) {
-            relax(static_cast<std::size_t>(t));
+void Nsgs<D>::run(int n, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax) {
+    constexpr int n_colours = n_tile_colours<D>;
+    const int n_phases = n * n_colours, last = order_.last_layer();
+    const bool alone = comm_.size() == 1;
+    OneBehind tiles(relax);
+    for (int moment = 0; moment < n_phases + std::max(last, 1); ++moment) {
+        // Messages of the phase before are on their way meanwhile: these layers share no grain with other ranks.
+        for (int phase = std::max(0, moment - last); phase < std::min(moment, n_phases); ++phase) {
+            tiles.push(order_.tiles(moment - phase, phase % n_colours));
         }
-        if (comm_.size() > 1) {
-            const auto lap = watch_.lap(Timed::exchange);
-            halo.start(colour, u);
-        }
-        for (const auto t : interior_[colour]) {
-            relax(static_cast<std::size_t>(t));
-        }
-        if (comm_.size() > 1) {
+        if (!alone && moment > 0 && moment <= n_phases) {
+            tiles.flush();
             const auto lap = watch_.lap(Timed::exchange);
             halo.finish(u);
         }
+        if (moment < n_phases) {
+            tiles.push(order_.tiles(0, moment % n_colours));
+            if (!alone) {
+                tiles.flush();
+                const auto lap = watch_.lap(Timed::exchange);
+                halo.start(moment % n_colours, u);
+            }
+        }
     }
+    tiles.flush();
 }
 
 template <int D>
 void Nsgs<D>::warm_start(const ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u) {
-    pass(halo, u, [&](std::size_t t) { contacts.apply(t, u); });
+    run(1, halo, u, [&](std::size_t t, std::size_t) { contacts.apply(t, u); });
 }
 
 template <int D>
@@ -50,12 +84,16 @@ SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<B
                            const SolverSettings& settings, int sweeps, double scale) {
     const int most = settings.tolerance ? settings.max_sweeps : sweeps;
     const Task task{contacts, halo, u, settings, sweeps, most, scale > 0 ? scale : 1.0};
+    const double bytes = static_cast<double>(contacts.bytes_swept() + u.size() * sizeof(BodyVelocity<D>));
+    const int together = sweeps_in_cache(bytes, order_.last_layer() + 1, n_tile_colours<D>);
     SolveReport report;
     bool within = false;
     while (report.sweeps < most && !within) {
-        sweep(task, time_tiles_ && report.sweeps == 0);
-        ++report.sweeps;
-        report.relaxations += contacts.n_active();
+        const bool timed = time_tiles_ && report.sweeps == 0;
+        const int n = timed ? 1 : std::min(together, next_halt(report.sweeps, task) - report.sweeps);
+        sweep(task, n, timed);
+        report.sweeps += n;
+        report.relaxations += n * contacts.n_active();
         within = settings.tolerance && stops_after(report.sweeps, task);
     }
     if (settings.tolerance && !within) { // no sweep left to hide this one behind
@@ -66,34 +104,48 @@ SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<B
 }
 
 template <int D>
-void Nsgs<D>::sweep(const Task& task, bool timed) {
+void Nsgs<D>::sweep(const Task& task, int n, bool timed) {
     if (!timed) {
-        pass(task.halo, task.u, [&](std::size_t t) { task.contacts.relax(t, task.u); });
+        run(n, task.halo, task.u, [&](std::size_t t, std::size_t next) { task.contacts.relax(t, next, task.u); });
         return;
     }
     using Clock = std::chrono::steady_clock;
     tile_seconds_.resize(task.contacts.n_tiles());
-    pass(task.halo, task.u, [&](std::size_t t) {
+    run(n, task.halo, task.u, [&](std::size_t t, std::size_t next) {
         const auto start = Clock::now();
-        task.contacts.relax(t, task.u);
+        task.contacts.relax(t, next, task.u);
         tile_seconds_[t] = std::chrono::duration<double>(Clock::now() - start).count();
     });
+}
+
+template <int D>
+bool Nsgs<D>::is_checked(int sweep, const Task& task) {
+    return sweep >= task.least && sweep % task.settings.check_every == 0 &&
+           sweep + check_lag(task.settings) <= task.most;
+}
+
+/// The first sweep after k at which something is to be measured or decided.
+template <int D>
+int Nsgs<D>::next_halt(int k, const Task& task) {
+    if (!task.settings.tolerance) {
+        return task.most;
+    }
+    do {
+        ++k;
+    } while (k < task.most && !is_checked(k, task) && !is_checked(k - check_lag(task.settings), task));
+    return k;
 }
 
 /// Whether sweep k is the last: one check is under way at a time, since the lag is no longer than the time between two.
 template <int D>
 bool Nsgs<D>::stops_after(int k, const Task& task) {
-    const int lag = check_lag(task.settings);
-    const auto is_checked = [&](int sweep) {
-        return sweep >= task.least && sweep % task.settings.check_every == 0 && sweep + lag <= task.most;
-    };
-    if (is_checked(k - lag)) {
+    if (is_checked(k - check_lag(task.settings), task)) {
         const auto lap = watch_.lap(Timed::exchange);
         if (std::sqrt(agreeing_.take()) / task.unit <= *task.settings.tolerance) {
             return true;
         }
     }
-    if (is_checked(k)) {
+    if (is_checked(k, task)) {
         agreeing_.start(comm_, largest_squared(task));
     }
     return false;

@@ -2,13 +2,14 @@
 // Block non-smooth Gauss–Seidel (seeds/000 eq. 5) by tiles: one sweep relaxes, colour by colour, first the tiles whose
 // grains other ranks hold, sends what they changed, relaxes the rest meanwhile, receives. The order of relaxation is
 // that of tile colours and, in a tile, of contact classes: the same on any number of ranks. (Departs from the source in
-// that order only.)
+// that order only.) In time, several sweeps pass over a part of the sample together where that changes nothing
+// (TileOrder).
 
 #include "core/stopwatch.hpp"
 #include "parallel/domain.hpp"
 #include "solver/disk_contacts.hpp"
+#include "solver/tile_order.hpp"
 
-#include <array>
 #include <vector>
 
 namespace nappe {
@@ -82,19 +83,23 @@ private:
         double unit;     ///< of residuals [m/s]
     };
 
-    void sweep(const Task& task, bool timed);
+    /// The tolerance's checks: after which sweeps one is made.
+    static bool is_checked(int sweep, const Task& task);
+    static int next_halt(int k, const Task& task);
+    void sweep(const Task& task, int n, bool timed);
     bool stops_after(int k, const Task& task);
     double largest_squared(const Task& task);
 
+    /// **Collective.** n passes over all tiles; relax(t, next) for tile t, `next` the one after it or no_tile.
     template <class Relax>
-    void pass(Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax);
+    void run(int n, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax);
 
     const Communicator& comm_;
     Stopwatch& watch_;
     bool time_tiles_;
     std::vector<double> tile_seconds_;
     PendingMax agreeing_;
-    std::array<std::vector<std::int32_t>, n_tile_colours<D>> interface_, interior_;
+    TileOrder<D> order_;
 };
 
 } // namespace nappe

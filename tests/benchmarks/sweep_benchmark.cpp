@@ -42,7 +42,7 @@ void over_tiles(benchmark::State& run, const char* kernel, Pass&& pass) {
 }
 
 void relax(benchmark::State& run, const char* kernel) {
-    over_tiles(run, kernel, [](auto& contacts, std::size_t t, auto& u) { contacts.relax(t, u); });
+    over_tiles(run, kernel, [](auto& contacts, std::size_t t, auto& u) { contacts.relax(t, no_tile, u); });
 }
 
 /// Impulses are nil in a fresh pile: the arithmetic is the same.

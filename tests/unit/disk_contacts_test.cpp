@@ -190,7 +190,7 @@ TEST(DiskContacts, ResidualOfOneContact) {
     EXPECT_EQ(contacts.residual(0, f.state.u).contacts, 1);
     EXPECT_NEAR(contacts.touching_speed(0, f.state.u).first, 26, 1e-13);
     EXPECT_EQ(contacts.touching_speed(0, f.state.u).second, 1);
-    contacts.relax(0, f.state.u);
+    contacts.relax(0, no_tile, f.state.u);
     EXPECT_NEAR(contacts.residual(0, f.state.u).largest_squared, 0, 1e-28) << "squares of round-off";
     EXPECT_NEAR(f.packed(contacts).at(1).r_n, 6, 1e-14);
     EXPECT_NEAR(f.packed(contacts).at(1).r_t, -0.4, 1e-14);
@@ -241,7 +241,7 @@ protected:
 
     static void relax(DiskContacts& contacts, State<2>& state) {
         for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
-            contacts.relax(t, state.u);
+            contacts.relax(t, no_tile, state.u);
         }
     }
 
