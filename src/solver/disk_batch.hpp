@@ -11,6 +11,7 @@ namespace nappe {
 inline constexpr int n_lanes = 8;
 
 /// One batch, 56 bytes a contact. n points from b to a. A null contact pads a batch: both bodies null, m_eff = 0.
+/// A contact that sleeps keeps its lane, with m_eff = 0 and no impulses: it changes nothing.
 /// (Rejected: the normal as an angle or in single precision — the same cache lines and other bits; 1/W_tt beside
 /// 1/W_nn — for disks it is a third of it.)
 struct alignas(64) DiskBatch {
@@ -55,9 +56,10 @@ struct DiskKernels {
     void (*relax)(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u, BodyRange soon);
     /// Adds the effect of the impulses that the batches hold to the velocities: a warm start.
     void (*apply)(const DiskBatch* batches, std::int64_t n, double* u);
-    /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Returns whether any
-    /// contact of disks would sleep (see `sleeps`). Lanes of walls get NaN.
-    bool (*refresh)(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h);
+    /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that
+    /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back. Returns how many are awake.
+    /// Lanes of walls count as awake and get NaN for normals.
+    std::int64_t (*refresh)(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h);
     /// Pairs which[0] … which[n-1] of the lists a and b (rows); `which` nullptr: the first n. Writes (n + 7) / 8
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

@@ -116,17 +116,21 @@ void DiskContacts::lay_out(const Step& step) {
     }
 }
 
-/// Normals and biases of a tile whose active contacts are the same; false: they are not.
+/// Normals and biases of a tile all of whose active contacts have lanes; false: some have none, or too many sleep.
 bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& faults) {
-    const Range& range = ranges_[tile];
-    if (any_wakes(tile, step) || kernels_->refresh(batches_.data() + range.begin, range.n, step.bodies, step.h)) {
+    Range& range = ranges_[tile];
+    if (10 * range.active < 9 * range.packed || any_wakes(tile, step)) {
         return false;
     }
+    const std::int64_t was_active = range.active;
+    range.active = kernels_->refresh(batches_.data() + range.begin, range.n, step.bodies, step.h);
     for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
         WallPair& pair = walls_[static_cast<std::size_t>(w)];
-        const auto found =
-            judge_wall(step, step.candidates.a[pair.candidate], step.candidates.b[pair.candidate], faults);
-        if ((found.decision == Decision::act) != (pair.slot >= 0)) {
+        const LocalId a = step.candidates.a[pair.candidate], b = step.candidates.b[pair.candidate];
+        const auto found = judge_wall(step, a, b, faults);
+        const bool acts = found.decision == Decision::act;
+        if (acts && pair.slot < 0) {
+            range.active = was_active; // what the caller has counted
             return false;
         }
         pair.asleep = found.decision == Decision::sleep;
@@ -136,8 +140,13 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
             batch.nx[l] = found.n[0];
             batch.ny[l] = found.n[1];
             batch.bias[l] = found.bias;
+            if (!acts) {
+                batch.m_eff[l] = batch.r_n[l] = batch.r_t[l] = 0;
+                --range.active;
+            }
         }
     }
+    n_active_ += range.active - was_active;
     return true;
 }
 
@@ -148,7 +157,7 @@ bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& fau
     const std::int32_t n = of.candidates_end - of.candidates_begin;
     measure(nullptr, n, step.candidates, of.candidates_begin, step.bodies);
     Range& range = ranges_[tile];
-    range.n = range.active = 0;
+    range.n = range.active = range.packed = 0;
     range.asleep = 0;
     filled_.clear();
     first_open_ = 0;
@@ -289,6 +298,7 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
     }
     source_[static_cast<std::size_t>(at * n_lanes + l)] = c;
     ++range.active;
+    ++range.packed;
     return at * n_lanes + l;
 }
 
@@ -311,6 +321,27 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     std::fill_n(source_.begin() + at * n_lanes, n_lanes, -1);
 }
 
+/// missed_any for the contacts of disks that sleep in their lanes.
+bool DiskContacts::missed_in_lanes(const Range& range, const State<2>& state, const Walls<2>& walls, double h) const {
+    for (auto k = range.begin; k < range.begin + range.n; ++k) {
+        const DiskBatch& batch = batches_[static_cast<std::size_t>(k)];
+        for (int l = 0; l < n_lanes; ++l) {
+            if (batch.m_eff[l] > 0 || source_[static_cast<std::size_t>(k * n_lanes + l)] < 0) {
+                continue;
+            }
+            const LocalId a = row(batch.a[l]), b = row(batch.b[l]);
+            if (b >= state.n_held()) {
+                continue;
+            }
+            const auto g = contact_geometry(state, walls, a, b);
+            if (g.gap + h * normal_speed(g.n, state.u[a], state.u[b]) < 0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 bool DiskContacts::missed_any(const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls,
                               double h) {
     for (std::size_t t = 0; t < ranges_.size(); ++t) {
@@ -321,6 +352,9 @@ bool DiskContacts::missed_any(const State<2>& state, const CandidateSet<2>& cand
             if (g.gap[k % n_lanes] + h * g.v[k % n_lanes] < 0) {
                 return true;
             }
+        }
+        if (ranges_[t].active < ranges_[t].packed && missed_in_lanes(ranges_[t], state, walls, h)) {
+            return true;
         }
     }
     return std::any_of(walls_.begin(), walls_.end(), [&](const WallPair& pair) {

@@ -30,10 +30,10 @@ struct PackFaults {
     int wall = -1;
 };
 
-/// Batches stay from step to step: where a tile's active contacts are those of the step before, only normals and biases
-/// are new. Where they are others, the tile is packed anew: each contact goes, in frozen order, into the first batch
-/// with a free lane after all those that its grains are in. Contacts that share no grain commute to the bit, so this
-/// fills batches and changes nothing.
+/// Batches stay from step to step: as long as no contact comes to act that has no lane, a tile only gets new normals and
+/// biases, and contacts that fall asleep keep their lanes, without effect. Else the tile is packed anew: each contact
+/// goes, in frozen order, into the first batch with a free lane after all those that its grains are in. Contacts that
+/// share no grain commute to the bit, so this fills batches and changes nothing.
 class DiskContacts {
 public:
     DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(&kernels) {}
@@ -99,10 +99,11 @@ public:
 
 private:
     struct Range {
-        std::int64_t begin = 0; ///< first batch
-        std::int64_t n = 0;     ///< batches in use
-        std::int64_t room = 0;  ///< batches that belong to the tile
-        std::int64_t active = 0;
+        std::int64_t begin = 0;                    ///< first batch
+        std::int64_t n = 0;                        ///< batches in use
+        std::int64_t room = 0;                     ///< batches that belong to the tile
+        std::int64_t packed = 0;                   ///< contacts with a lane
+        std::int64_t active = 0;                   ///< of them, those that do not sleep
         BodyRange bodies;                          ///< the tile's own
         std::int32_t asleep = 0;                   ///< entries of asleep_ from candidates_begin on
         std::int32_t walls_begin = 0, n_walls = 0; ///< entries of walls_
@@ -139,8 +140,9 @@ private:
         const Range& range = ranges_[tile];
         for (auto k = range.begin; k < range.begin + range.n; ++k) {
             for (int l = 0; l < n_lanes; ++l) {
-                if (source_[static_cast<std::size_t>(k * n_lanes + l)] >= 0) {
-                    f(batches_[static_cast<std::size_t>(k)], k, l);
+                const DiskBatch& batch = batches_[static_cast<std::size_t>(k)];
+                if (batch.m_eff[l] > 0) {
+                    f(batch, k, l);
                 }
             }
         }
@@ -149,6 +151,7 @@ private:
     void lay_out(const Step& step);
     bool refresh_tile(std::size_t tile, const Step& step, PackFaults& faults);
     bool pack_tile(std::size_t tile, const Step& step, PackFaults& faults);
+    bool missed_in_lanes(const Range& range, const State<2>& state, const Walls<2>& walls, double h) const;
     bool any_wakes(std::size_t tile, const Step& step);
     Found judge(const Step& step, LocalId a, LocalId b, const Vec<2>& n, double gap, double size, double v_free,
                 double v_old) const;

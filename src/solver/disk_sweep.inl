@@ -60,8 +60,8 @@ NAPPE_INLINE Lane root(Lane v) {
     return __builtin_sqrt(v);
 }
 
-NAPPE_INLINE bool any_of(Lane mask) {
-    return mask > 0;
+NAPPE_INLINE double sum_of(Lane v) {
+    return v;
 }
 #else
 NAPPE_INLINE Lane root(const Lane& v) {
@@ -72,12 +72,12 @@ NAPPE_INLINE Lane root(const Lane& v) {
     return r;
 }
 
-NAPPE_INLINE bool any_of(const Lane& mask) {
-    double most = 0;
+NAPPE_INLINE double sum_of(const Lane& v) {
+    double sum = 0;
     for (int k = 0; k < width; ++k) {
-        most += mask[k];
+        sum += v[k];
     }
-    return most > 0;
+    return sum;
 }
 #endif
 
@@ -251,7 +251,7 @@ void apply(const DiskBatch* batches, std::int64_t n, double* u) {
 
 /// One register of a GapBatch.
 struct Gaps {
-    Lane nx, ny, gap, size, v, v_old;
+    Lane nx, ny, gap, size, v, v_old, inv_m;
 };
 
 NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, const std::uint32_t* j) {
@@ -265,30 +265,33 @@ NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, cons
     g.gap = distance - g.size;
     const Bodies a = gather(bodies.u, i), b = gather(bodies.u, j);
     g.v = g.nx * (a.x - b.x) + g.ny * (a.y - b.y);
+    g.inv_m = a.w + b.w;
     const Bodies a_old = gather(bodies.u_old, i), b_old = gather(bodies.u_old, j);
     g.v_old = g.nx * (a_old.x - b_old.x) + g.ny * (a_old.y - b_old.y);
     return g;
 }
 
-bool refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h) {
-    const Lane zero = {};
-    Lane any = {};
+std::int64_t refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h) {
+    const Lane zero = {}, one = zero + 1;
+    Lane awake = {};
     for (std::int64_t k = 0; k < n; ++k) {
         DiskBatch& batch = batches[k];
         for (int l = 0; l < n_lanes; l += width) {
             const Gaps g = measure(bodies, batch.a + l, batch.b + l);
-            // Null lanes: the null body has no direction to itself.
-            const Lane m = load(batch.m_eff + l);
-            store(batch.nx + l, m > zero ? g.nx : zero);
-            store(batch.ny + l, m > zero ? g.ny : zero);
-            store(batch.bias + l, g.gap > zero ? g.gap / h : zero);
-            // DiskContacts' rule of who sleeps.
+            // DiskContacts' rule of who sleeps; padding, without any mass that moves, always does.
             const Lane slower = g.v_old < g.v ? g.v_old : g.v;
             const Lane closes = slower < zero ? -2 * h * slower : zero;
-            any += g.gap > 0.01 * g.size + closes ? zero + 1 : zero;
+            const Lane acts = g.gap > 0.01 * g.size + closes ? zero : (g.inv_m > zero ? one : zero);
+            store(batch.nx + l, g.inv_m > zero ? g.nx : zero);
+            store(batch.ny + l, g.inv_m > zero ? g.ny : zero);
+            store(batch.bias + l, g.gap > zero ? g.gap / h : zero);
+            store(batch.m_eff + l, acts > zero ? one / g.inv_m : zero);
+            store(batch.r_n + l, acts > zero ? load(batch.r_n + l) : zero);
+            store(batch.r_t + l, acts > zero ? load(batch.r_t + l) : zero);
+            awake += acts;
         }
     }
-    return any_of(any);
+    return static_cast<std::int64_t>(sum_of(awake));
 }
 
 void gaps(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

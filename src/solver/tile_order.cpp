@@ -96,7 +96,7 @@ int sweeps_in_cache(double bytes, int n_layers, int phases_per_sweep) {
     const double cache = reported > 0 ? static_cast<double>(reported) : 1e6;
     const double of_sweep = bytes / n_layers * phases_per_sweep;
     constexpr double share = 0.6; // of the cache: the rest is for what comes and what goes
-    constexpr int most = 32;      // beyond, nothing is gained
+    constexpr int most = 16;      // beyond, nothing is gained
     return of_sweep * most < share * cache ? most : std::max(1, static_cast<int>(share * cache / of_sweep));
 }
 
