@@ -132,7 +132,9 @@ void take_turns(const Communicator& comm, std::vector<Contender>& all, std::int6
     for (auto& c : all) {
         timed(c, 1); // brings it into the caches
         const double once = std::max(comm.max(timed(c, 1)), 1e-9);
-        c.sweeps = static_cast<int>(std::clamp(std::ceil(effort.seconds / once), 1.0, 1e6));
+        // Some at least: a step does many, and several together use what one brought into the caches.
+        constexpr double least = 8;
+        c.sweeps = static_cast<int>(std::clamp(std::ceil(effort.seconds / once), least, 1e6));
     }
     for (int round = 0; round < effort.rounds; ++round) {
         for (auto& c : all) {

@@ -12,7 +12,7 @@
 namespace nappe {
 
 /// Counted up whenever a change of the code changes a bit of a settled sample: stored ones are then made anew.
-inline constexpr std::int64_t physics_revision = 2;
+inline constexpr std::int64_t physics_revision = 3;
 
 /// Everything of a scene that its settled sample depends on, in one canonical text. Local.
 SampleOrigin sample_origin(const Scene<2>& scene);

@@ -15,11 +15,12 @@ template <int D>
 struct Spot {
     std::array<double, D> x;
     double extent; ///< radius + margin [m]
+    GlobalId id;
     LocalId row;
 };
 
 /// Grains of all held tiles, each tile cut into k^D cells about as wide as two grains, so that a search looks at few of
-/// them.
+/// them. The few that have long ways to go are kept apart, or every search around them would have to look as far.
 template <int D>
 class CellIndex {
 public:
@@ -31,6 +32,7 @@ public:
             widest = std::max(widest, state.radius[i]);
         }
         // Twice the largest radius: a search of a slow grain covers 3 x 3 cells.
+        slow_ = 1.35 * widest;
         k_ = widest > 0 ? std::max(1, static_cast<int>(grid.side() / (2.05 * widest))) : 1;
         n_cells_ = 1;
         for (int d = 0; d < D; ++d) {
@@ -58,13 +60,22 @@ public:
         return slots;
     }
 
+    /// Largest radius + margin among the slow grains of a tile [m].
+    double slow_extent(std::size_t slot) const { return extent_[slot] < slow_ ? extent_[slot] : slow_; }
+
     /// Largest radius + margin among the grains of a tile [m].
     double extent(std::size_t slot) const { return extent_[slot]; }
 
-    /// Calls f(spot) for the held grains in cells within `range` of x, in tiles of `ring` around the tile with this
-    /// corner.
+    /// Calls f(begin, end) for runs of held grains in tiles of `ring` around the tile with this corner: the slow ones in cells within
+    /// `range` of x, and all that are not slow.
     template <class F>
     void for_each_near(const Vec<D>& corner, const Ring& ring, const Vec<D>& x, double range, F&& f) const {
+        for (const int slot : ring) {
+            if (slot >= 0) {
+                const auto at = static_cast<std::size_t>(slot);
+                f(fast_.data() + fast_begin_[at], fast_.data() + fast_begin_[at + 1]);
+            }
+        }
         static_assert(D == 2, "the loops below are the plane's");
         const double per_cell = static_cast<double>(k_) / grid_.side();
         const auto cell = [&](double coordinate) {
@@ -86,9 +97,7 @@ public:
                 const int column = (cx - (tx - 1) * k_) * k_, bottom = (ty - 1) * k_;
                 const int first = std::max(y0 - bottom, 0), last = std::min(y1 - bottom, k_ - 1);
                 const std::int32_t* begin = &cell_begin_[static_cast<std::size_t>(other) * (n_cells_ + 1)] + column;
-                for (std::int32_t p = begin[first]; p < begin[last + 1]; ++p) {
-                    f(spots_[static_cast<std::size_t>(p)]);
-                }
+                f(spots_.data() + begin[first], spots_.data() + begin[last + 1]);
             }
         }
     }
@@ -128,6 +137,11 @@ private:
         cell_begin_.resize(base + n_cells_ + 1, 0);
         cell_.clear();
         for (LocalId i = from; i < to; ++i) {
+            if (state_.radius[i] + state_.margin[i] > slow_) {
+                fast_.push_back(spot(i));
+                cell_.push_back(-1);
+                continue;
+            }
             std::size_t cell = 0;
             for (int d = 0; d < D; ++d) {
                 const int c = static_cast<int>(std::floor((state_.x_ref[i][d] - corner[d]) * per_cell));
@@ -136,23 +150,33 @@ private:
             cell_.push_back(static_cast<std::int32_t>(cell));
             ++cell_begin_[base + cell];
         }
+        fast_begin_.push_back(static_cast<std::int32_t>(fast_.size()));
         std::int32_t sum = from;
         for (std::size_t c = base; c < cell_begin_.size(); ++c) { // the ends, from where cells are filled backwards
             cell_begin_[c] = sum += cell_begin_[c];
         }
         for (LocalId i = to; i-- > from;) {
-            const auto cell = static_cast<std::size_t>(cell_[static_cast<std::size_t>(i - from)]);
-            auto& spot = spots_[static_cast<std::size_t>(--cell_begin_[base + cell])];
-            for (int d = 0; d < D; ++d) {
-                spot.x[d] = state_.x_ref[i][d];
+            const auto cell = cell_[static_cast<std::size_t>(i - from)];
+            if (cell >= 0) {
+                spots_[static_cast<std::size_t>(--cell_begin_[base + static_cast<std::size_t>(cell)])] = spot(i);
             }
-            spot.extent = state_.radius[i] + state_.margin[i];
-            spot.row = i;
         }
+    }
+
+    Spot<D> spot(LocalId i) const {
+        Spot<D> s;
+        for (int d = 0; d < D; ++d) {
+            s.x[d] = state_.x_ref[i][d];
+        }
+        s.extent = state_.radius[i] + state_.margin[i];
+        s.id = state_.id[i];
+        s.row = i;
+        return s;
     }
 
     const State<D>& state_;
     const TileGrid<D>& grid_;
+    double slow_ = 0; ///< largest radius + margin of a slow grain [m]
     int k_ = 1;
     std::size_t n_cells_ = 1;
     std::size_t n_own_tiles_ = 0;
@@ -161,7 +185,9 @@ private:
     std::vector<double> extent_;
     std::vector<std::int32_t> cell_begin_; ///< by tile, n_cells_ + 1 each; into spots_
     std::vector<std::int32_t> cell_;       ///< of the grains of one tile
-    std::vector<Spot<D>> spots_;           ///< by cell
+    std::vector<Spot<D>> spots_;           ///< slow grains, by cell
+    std::vector<Spot<D>> fast_;            ///< the others, by tile
+    std::vector<std::int32_t> fast_begin_{0};
     std::unordered_map<TileKey, int> slot_of_;
 };
 
@@ -180,28 +206,16 @@ public:
         double widest = 0;
         for (const int s : ring) {
             if (s >= 0) {
-                widest = std::max(widest, cells_.extent(static_cast<std::size_t>(s)));
+                widest = std::max(widest, cells_.slow_extent(static_cast<std::size_t>(s)));
             }
         }
         near_features(slot);
         for (LocalId i = cells_.begin(slot); i < cells_.end(slot); ++i) {
-            partners_.clear();
             const double reach = state_.radius[i] + state_.margin[i];
-            const Vec<D> x = state_.x_ref[i];
-            cells_.for_each_near(corner, ring, x, reach + widest, [&](const Spot<D>& spot) {
-                const double range = reach + spot.extent;
-                double squared = 0;
-                for (int d = 0; d < D; ++d) {
-                    squared += (spot.x[d] - x[d]) * (spot.x[d] - x[d]);
-                }
-                if (squared <= range * range && state_.id[spot.row] > state_.id[i]) {
-                    partners_.push_back({state_.id[spot.row], spot.row});
-                }
-            });
-            std::sort(partners_.begin(), partners_.end());
-            for (const auto& [id, j] : partners_) {
+            find_partners(i, corner, ring, reach, reach + widest);
+            for (std::size_t k = 0; k < found_; ++k) {
                 a.push_back(i);
-                b.push_back(j);
+                b.push_back(partners_[k].second);
             }
             add_walls(i, reach);
         }
@@ -210,6 +224,38 @@ public:
     std::vector<LocalId> a, b;
 
 private:
+    /// Held grains of higher id whose surfaces are near enough, by id. What is rejected is overwritten, not branched
+    /// around: which half of the neighbours counts is a toss of a coin.
+    void find_partners(LocalId i, const Vec<D>& corner, const typename CellIndex<D>::Ring& ring, double reach,
+                       double range) {
+        const Vec<D> x = state_.x_ref[i];
+        const GlobalId id = state_.id[i];
+        std::size_t n = 0;
+        cells_.for_each_near(corner, ring, x, range, [&](const Spot<D>* begin, const Spot<D>* end) {
+            if (partners_.size() < n + static_cast<std::size_t>(end - begin)) {
+                partners_.resize(2 * (n + static_cast<std::size_t>(end - begin)));
+            }
+            for (const auto* spot = begin; spot != end; ++spot) {
+                const double most = reach + spot->extent;
+                double squared = 0;
+                for (int d = 0; d < D; ++d) {
+                    squared += (spot->x[d] - x[d]) * (spot->x[d] - x[d]);
+                }
+                partners_[n] = {spot->id, spot->row};
+                n += static_cast<std::size_t>(squared <= most * most) & static_cast<std::size_t>(spot->id > id);
+            }
+        });
+        found_ = n;
+        for (std::size_t k = 1; k < n; ++k) { // a handful: by insertion
+            const auto partner = partners_[k];
+            std::size_t at = k;
+            for (; at > 0 && partner < partners_[at - 1]; --at) {
+                partners_[at] = partners_[at - 1];
+            }
+            partners_[at] = partner;
+        }
+    }
+
     void near_features(std::size_t slot) {
         features_.clear();
         const TileKey key = cells_.key(slot);
@@ -238,7 +284,8 @@ private:
     const Walls<D>& walls_;
     const CellIndex<D>& cells_;
     std::vector<int> features_;
-    std::vector<std::pair<GlobalId, LocalId>> partners_;
+    std::vector<std::pair<GlobalId, LocalId>> partners_; ///< the first found_ are those of the grain asked last
+    std::size_t found_ = 0;
 };
 
 } // namespace

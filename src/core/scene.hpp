@@ -124,11 +124,11 @@ struct Output {
 
 struct TileSettings {
     double side = 0;       ///< S [m]; 0: 16 r_max
-    double skin = 0;       ///< least distance two grains may approach before the next rebuild [m]; 0: 0.3 r_max
-    double lookahead = 12; ///< steps for which a moving grain's margin should last
+    double skin = 0;       ///< least distance two grains may approach before the next rebuild [m]; 0: 0.6 r_max
+    double lookahead = 18; ///< steps for which a moving grain's margin should last
 
     double side_for(double r_max) const { return side > 0 ? side : 16 * r_max; } ///< defaults worked out [m]
-    double skin_for(double r_max) const { return skin > 0 ? skin : 0.3 * r_max; }
+    double skin_for(double r_max) const { return skin > 0 ? skin : 0.6 * r_max; }
 };
 
 struct BalanceSettings {

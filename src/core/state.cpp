@@ -58,16 +58,21 @@ void State<D>::complete(const std::vector<GrainRecord<D>>& ghosts, LocalId n_wal
     const auto own = static_cast<std::size_t>(n_own);
     const std::size_t n = own + ghosts.size();
     const std::size_t bodies = n + static_cast<std::size_t>(n_walls) + 1;
-    id.resize(n);
-    x.resize(n);
-    margin.resize(n);
-    rotation.resize(n);
-    radius.resize(n);
-    mass.resize(n);
-    cells.resize(n);
-    layer.resize(n);
-    u.resize(bodies);
-    material.resize(bodies);
+    const auto make_room = [](auto& array, std::size_t rows) {
+        array.reserve(rows); // or it would take twice what it needs
+        array.resize(rows);
+    };
+    make_room(id, n);
+    make_room(x, n);
+    make_room(margin, n);
+    make_room(rotation, n);
+    make_room(radius, n);
+    make_room(mass, n);
+    make_room(cells, n);
+    make_room(layer, n);
+    make_room(u, bodies);
+    make_room(material, bodies);
+    make_room(mid, bodies);
     for (std::size_t k = 0; k < ghosts.size(); ++k) {
         const auto& g = ghosts[k];
         const std::size_t i = own + k;
@@ -88,7 +93,6 @@ void State<D>::complete(const std::vector<GrainRecord<D>>& ghosts, LocalId n_wal
     }
     x_ref = x;
     u_old = u;
-    mid.resize(bodies);
     for (std::size_t i = 0; i < n; ++i) {
         for (int d = 0; d < D; ++d) {
             mid[i].x[d] = x[i][d];

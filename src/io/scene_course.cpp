@@ -135,7 +135,7 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
 void read_tiles(const TableReader& top, Scene<2>& scene) {
     if (const auto table = top.table("tiles", "[tiles]", "write [tiles]")) {
         table->read("side", scene.tiles.side, positive("m", "leave it out for 16 largest radii"));
-        table->read("skin", scene.tiles.skin, positive("m", "leave it out for 0.3 largest radii"));
+        table->read("skin", scene.tiles.skin, positive("m", "leave it out for 0.6 largest radii"));
         table->read("lookahead", scene.tiles.lookahead, not_negative("", "give it in steps"));
     }
 }

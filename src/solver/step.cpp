@@ -328,6 +328,7 @@ void Simulation<D>::rebuild() {
     domain_.rebuild(state_, walls_.n_bodies(), memory_);
     place_walls();
     find_candidates(state_, domain_.grid(), walls_, memory_, candidates_);
+    memory_ = {}; // 50 bytes a grain that nobody needs until the next rebuild
     impulses_stale_ = false;
     contacts_.forget();
     domain_.build_halo(state_, candidates_);

@@ -54,7 +54,7 @@ protected:
         }
         simulation.load(grains, {}, scene.stages[0].solver.h);
         simulation.start_stage(0);
-        for (int k = 0; k < 60; ++k) { // forces find their paths, and tiles their ranks
+        for (int k = 0; k < 100; ++k) { // forces find their paths, and tiles their ranks
             simulation.step();
         }
     }

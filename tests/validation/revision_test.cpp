@@ -32,8 +32,8 @@ TEST(Revision, BitsOfASampleGoWithIt) {
     for (int k = 0; k < 40; ++k) {
         run.simulation().step();
     }
-    EXPECT_EQ(physics_revision, 2);
-    EXPECT_EQ(run.simulation().state_hash(), 0x0fc84850711edbefULL) << std::hex << run.simulation().state_hash();
+    EXPECT_EQ(physics_revision, 3);
+    EXPECT_EQ(run.simulation().state_hash(), 0x819877c85f4b690eULL) << std::hex << run.simulation().state_hash();
 }
 
 } // namespace
