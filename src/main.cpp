@@ -68,7 +68,7 @@ void define(CLI::App& app, Arguments& arguments) {
         ->type_name("N")
         ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 40).description(""));
     run->add_option("--kernel", arguments.run.kernel,
-                    "instruction set of the sweep: portable, avx2 or avx512 [the fastest here]; results are the same");
+                    "instruction set of the sweep: scalar, portable, avx2 or avx512 [the fastest here]; results are the same");
     auto* check = app.add_subcommand("check", "validate a scene; estimate grains, memory and work");
     scene_of(check);
     check->add_option("--ranks", arguments.ranks, "estimate for this many ranks [2]");
