@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 namespace nappe {
 
@@ -85,7 +86,10 @@ SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<B
     const int most = settings.tolerance ? settings.max_sweeps : sweeps;
     const Task task{contacts, halo, u, settings, sweeps, most, scale > 0 ? scale : 1.0};
     const double bytes = static_cast<double>(contacts.bytes_swept() + u.size() * sizeof(BodyVelocity<D>));
-    const int together = sweeps_in_cache(bytes, order_.last_layer() + 1, n_tile_colours<D>);
+    // Where ranks wait for each other, layers of one rank are as much work as the other's only near the cut: beyond two
+    // sweeps at a time the wait costs more than the cache saves (docs/performance.md).
+    const int most_together = comm_.size() > 1 ? 2 : std::numeric_limits<int>::max();
+    const int together = std::min(most_together, sweeps_in_cache(bytes, order_.last_layer() + 1, n_tile_colours<D>));
     SolveReport report;
     bool within = false;
     while (report.sweeps < most && !within) {
