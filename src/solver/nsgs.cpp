@@ -46,38 +46,67 @@ void Nsgs<D>::order_tiles(const CandidateSet<D>& candidates) {
     order_.build(candidates);
 }
 
+/// Groups of sweeps. Moments 0 … P - 1 of a group of P phases are those in which layer 0 has a phase to do; in the P + d-th
+/// layer d does its last. Where ranks wait for each other, the moments after P - 1 are kept for the next group's messages:
+/// its moment m touches layers up to m, whose neighbours the group before must have left.
 template <int D>
 template <class Relax>
-void Nsgs<D>::run(int n, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax) {
+void Nsgs<D>::run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax) {
     constexpr int n_colours = n_tile_colours<D>;
-    const int n_phases = n * n_colours, last = order_.last_layer();
+    const int last = order_.last_layer();
     const bool alone = comm_.size() == 1;
     OneBehind tiles(relax);
-    for (int moment = 0; moment < n_phases + std::max(last, 1); ++moment) {
-        // Messages of the phase before are on their way meanwhile: these layers share no grain with other ranks.
+    const auto inner = [&](int moment, int n_phases) { // layers 1 and up of one moment
         for (int phase = std::max(0, moment - last); phase < std::min(moment, n_phases); ++phase) {
             tiles.push(order_.tiles(moment - phase, phase % n_colours));
         }
-        if (!alone && moment > 0 && moment <= n_phases) {
-            tiles.flush();
+    };
+    int before = 0, drained = 0; // phases of the group before, and how many of its `last` late moments are done
+    const auto drain = [&](int until) {
+        for (; before > 0 && drained < std::min(until, last); ++drained) {
+            inner(before + drained, before);
+        }
+    };
+    bool arriving = false;
+    const auto receive = [&] {
+        tiles.flush();
+        if (arriving) {
             const auto lap = watch_.lap(Timed::exchange);
             halo.finish(u);
         }
-        if (moment < n_phases) {
+        arriving = false;
+    };
+    for (int done = 0; done < n; done += together) {
+        const int n_phases = std::min(together, n - done) * n_colours;
+        for (int moment = 0; moment < n_phases; ++moment) {
+            drain(moment + 2);
+            inner(moment, n_phases);
+            if (!alone) {
+                drain((last * (moment + 1) + n_phases - 1) / n_phases); // its share, while messages fly
+                receive();
+            }
             tiles.push(order_.tiles(0, moment % n_colours));
             if (!alone) {
                 tiles.flush();
                 const auto lap = watch_.lap(Timed::exchange);
                 halo.start(moment % n_colours, u);
+                arriving = true;
             }
         }
+        drain(last);
+        before = n_phases;
+        drained = 0;
+        if (alone) {
+            drain(last);
+        }
     }
-    tiles.flush();
+    drain(last);
+    receive();
 }
 
 template <int D>
 void Nsgs<D>::warm_start(const ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u) {
-    run(1, halo, u, [&](std::size_t t, std::size_t) { contacts.apply(t, u); });
+    run(1, 1, halo, u, [&](std::size_t t, std::size_t) { contacts.apply(t, u); });
 }
 
 template <int D>
@@ -94,8 +123,8 @@ SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<B
     bool within = false;
     while (report.sweeps < most && !within) {
         const bool timed = time_tiles_ && report.sweeps == 0;
-        const int n = timed ? 1 : std::min(together, next_halt(report.sweeps, task) - report.sweeps);
-        sweep(task, n, timed);
+        const int n = timed ? 1 : next_halt(report.sweeps, task) - report.sweeps;
+        sweep(task, n, together, timed);
         report.sweeps += n;
         report.relaxations += n * contacts.n_active();
         within = settings.tolerance && stops_after(report.sweeps, task);
@@ -108,14 +137,15 @@ SolveReport Nsgs<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<B
 }
 
 template <int D>
-void Nsgs<D>::sweep(const Task& task, int n, bool timed) {
+void Nsgs<D>::sweep(const Task& task, int n, int together, bool timed) {
     if (!timed) {
-        run(n, task.halo, task.u, [&](std::size_t t, std::size_t next) { task.contacts.relax(t, next, task.u); });
+        run(n, together, task.halo, task.u,
+            [&](std::size_t t, std::size_t next) { task.contacts.relax(t, next, task.u); });
         return;
     }
     using Clock = std::chrono::steady_clock;
     tile_seconds_.resize(task.contacts.n_tiles());
-    run(n, task.halo, task.u, [&](std::size_t t, std::size_t next) {
+    run(n, together, task.halo, task.u, [&](std::size_t t, std::size_t next) {
         const auto start = Clock::now();
         task.contacts.relax(t, next, task.u);
         tile_seconds_[t] = std::chrono::duration<double>(Clock::now() - start).count();

@@ -86,13 +86,13 @@ private:
     /// The tolerance's checks: after which sweeps one is made.
     static bool is_checked(int sweep, const Task& task);
     static int next_halt(int k, const Task& task);
-    void sweep(const Task& task, int n, bool timed);
+    void sweep(const Task& task, int n, int together, bool timed);
     bool stops_after(int k, const Task& task);
     double largest_squared(const Task& task);
 
-    /// **Collective.** n passes over all tiles; relax(t, next) for tile t, `next` the one after it or no_tile.
+    /// **Collective.** n passes over all tiles, so many `together`; relax(t, next) for tile t, `next` the one after it or no_tile.
     template <class Relax>
-    void run(int n, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax);
+    void run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax);
 
     const Communicator& comm_;
     Stopwatch& watch_;
