@@ -67,8 +67,9 @@ void define(CLI::App& app, Arguments& arguments) {
     run->add_option("--steps", arguments.run.steps, "stop after this many steps of loading")
         ->type_name("N")
         ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 40).description(""));
-    run->add_option("--kernel", arguments.run.kernel,
-                    "instruction set of the sweep: scalar, portable, avx2 or avx512 [the fastest here]; results are the same");
+    run->add_option(
+        "--kernel", arguments.run.kernel,
+        "instruction set of the sweep: scalar, portable, avx2 or avx512 [the fastest here]; results are the same");
     auto* check = app.add_subcommand("check", "validate a scene; estimate grains, memory and work");
     scene_of(check);
     check->add_option("--ranks", arguments.ranks, "estimate for this many ranks [2]");

@@ -10,13 +10,11 @@
 
 #include "core/contact_geometry.hpp"
 #include "core/error.hpp"
-#include "core/neighbours.hpp"
 #include "solver/simulation.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace nappe {
@@ -278,87 +276,6 @@ void Simulation<D>::collect() {
         sums_.end_tile();
     }
     sums_.end_step();
-}
-
-/// How far each grain may go before lists are rebuilt: the skin's half for those at rest, `lookahead` steps for those
-/// that move.
-template <int D>
-void Simulation<D>::set_margins(double h) {
-    const double most = domain_.largest_margin(r_max_);
-    const double ahead = h * scene_.tiles.lookahead;
-    for (LocalId i = 0; i < state_.n_own; ++i) {
-        double v2 = 0;
-        for (int d = 0; d < D; ++d) {
-            v2 += state_.u[i].v[d] * state_.u[i].v[d];
-        }
-        const double wanted = std::max(0.5 * skin_, ahead * std::sqrt(v2));
-        state_.margin[i] = std::min(wanted, most);
-    }
-}
-
-/// After a grain outran its margin in this step: room for where it was going, and as much again.
-template <int D>
-void Simulation<D>::widen_margins(double h) {
-    const double most = domain_.largest_margin(r_max_);
-    for (LocalId i = 0; i < state_.n_own; ++i) {
-        double jump = 0;
-        for (int d = 0; d < D; ++d) {
-            const double from_start = state_.mid[i].x[d] - state_.x[i][d] + h * state_.u[i].v[d];
-            jump += from_start * from_start;
-        }
-        const double wanted = std::max(0.5 * skin_, 2 * std::sqrt(jump));
-        state_.margin[i] = std::min(std::max(state_.margin[i], wanted), most);
-    }
-}
-
-template <int D>
-void Simulation<D>::rebuild() {
-    const auto lap = watch_.lap(Timed::rebuild);
-    for (int w = 0; w < walls_.n_walls(); ++w) {
-        walls_.offset_ref[w] = walls_.offset[w];
-        // Two steps at least, so that a list made for a wall lasts for the step that asked for it.
-        const double steps = std::max(2.0, scene_.tiles.lookahead);
-        walls_.margin[w] = std::max(0.5 * skin_, settings().h * steps * walls_.v[w].norm());
-    }
-    const auto start = std::chrono::steady_clock::now();
-    const bool moved = rebalance_if_due();
-    if (counters_.rebuilds > 0) { // before the first, memory_ has the sample's impulses
-        memory_.keep(state_, candidates());
-    }
-    domain_.rebuild(state_, walls_.n_bodies(), memory_);
-    place_walls();
-    find_candidates(state_, domain_.grid(), walls_, memory_, candidates_);
-    memory_ = {}; // 50 bytes a grain that nobody needs until the next rebuild
-    impulses_stale_ = false;
-    contacts_.forget();
-    domain_.build_halo(state_, candidates_);
-    solver_.order_tiles(candidates_);
-    costs_.relist(candidates_);
-    find_reported_tiles();
-    ++counters_.rebuilds;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (moved) {
-        domain_.moved(seconds - rebuild_seconds_);
-    } else {
-        rebuild_seconds_ = seconds;
-    }
-}
-
-/// Returns whether tiles moved.
-template <int D>
-bool Simulation<D>::rebalance_if_due() {
-    const SpentTime spent{relaxing_, counters_.steps - last_balance_};
-    if (spent.steps < scene_.balance.every || comm_.size() == 1) {
-        return false;
-    }
-    const auto work =
-        scene_.balance.by == BalanceSettings::By::time ? costs_.by_time(spent.relaxing) : costs_.by_work();
-    const bool moved = domain_.balance(work, tile_links(state_, domain_.grid(), candidates_), spent);
-    counters_.rebalanced += moved ? 1 : 0;
-    last_balance_ = counters_.steps;
-    relaxing_ = 0;
-    costs_.clear();
-    return moved;
 }
 
 /// All ranks throw the same error, which names the lowest grain concerned.
