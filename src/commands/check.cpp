@@ -21,7 +21,7 @@ namespace {
 // Measured on settled piles of disks of radii 0.42-0.56 m.
 constexpr double solid_fraction = 0.83;
 constexpr double contacts_per_grain = 2.1;
-constexpr double candidates_per_grain = 2.6;
+constexpr double candidates_per_grain = 2.9;
 
 /// [m²]
 double mean_grain_area(const RadiusLaw& radii) {

@@ -71,6 +71,7 @@ public:
     void finish(std::vector<BodyVelocity<D>>& u);
 
     const HaloTraffic& traffic() const { return traffic_; }
+    void clear_traffic() { traffic_ = {}; } ///< Local.
 
     /// Bytes and messages that one sweep sends from this rank.
     HaloTraffic per_sweep() const;

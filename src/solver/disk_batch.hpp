@@ -58,7 +58,7 @@ struct DiskKernels {
     void (*apply)(const DiskBatch* batches, std::int64_t n, double* u);
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that
     /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back. Returns how many are awake.
-    /// Lanes of walls count as awake and get NaN for normals.
+    /// Lanes of walls count as awake; what they get is for the caller to overwrite.
     std::int64_t (*refresh)(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h);
     /// Pairs which[0] … which[n-1] of the lists a and b (rows); `which` nullptr: the first n. Writes (n + 7) / 8
     /// batches; lanes past n repeat the last pair.

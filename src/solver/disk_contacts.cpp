@@ -110,6 +110,8 @@ void DiskContacts::lay_out(const Step& step) {
                 walls_.push_back({c, false, -1});
             }
         }
+        ranges_[t].candidates_begin = candidates.tiles[t].candidates_begin;
+        ranges_[t].n_candidates = candidates.tiles[t].candidates_end - candidates.tiles[t].candidates_begin;
         ranges_[t].bodies = {4 * std::int64_t{candidates.tiles[t].grains_begin},
                              4 * std::int64_t{candidates.tiles[t].grains_end}};
         ranges_[t].n_walls = static_cast<std::int32_t>(walls_.size()) - ranges_[t].walls_begin;

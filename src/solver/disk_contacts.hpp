@@ -82,7 +82,7 @@ public:
     std::int64_t n_batches(std::size_t tile) const { return ranges_[tile].n; }
     std::size_t n_tiles() const { return ranges_.size(); }
 
-    /// Calls f(a, b, n, impulse) for the packed contacts of a tile, in the order of the sweep.
+    /// Calls f(a, b, n, impulse) for the packed contacts of a tile, in the order of candidates.
     template <class F>
     void for_each(std::size_t tile, F&& f) const {
         for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t, int l) {
@@ -99,11 +99,12 @@ public:
 
 private:
     struct Range {
-        std::int64_t begin = 0;                    ///< first batch
-        std::int64_t n = 0;                        ///< batches in use
-        std::int64_t room = 0;                     ///< batches that belong to the tile
-        std::int64_t packed = 0;                   ///< contacts with a lane
-        std::int64_t active = 0;                   ///< of them, those that do not sleep
+        std::int64_t begin = 0;  ///< first batch
+        std::int64_t n = 0;      ///< batches in use
+        std::int64_t room = 0;   ///< batches that belong to the tile
+        std::int64_t packed = 0; ///< contacts with a lane
+        std::int64_t active = 0; ///< of them, those that do not sleep
+        std::int32_t candidates_begin = 0, n_candidates = 0;
         BodyRange bodies;                          ///< the tile's own
         std::int32_t asleep = 0;                   ///< entries of asleep_ from candidates_begin on
         std::int32_t walls_begin = 0, n_walls = 0; ///< entries of walls_
@@ -135,15 +136,21 @@ private:
 
     static LocalId row(std::uint32_t index) { return static_cast<LocalId>(index / 4); }
 
+    /// Contacts that do not sleep, in the order of candidates: lanes are where there was room, which depends on what the
+    /// tile and its neighbours in storage have been through, and sums must not.
     template <class F>
     void for_each_lane(std::size_t tile, F&& f) const {
         const Range& range = ranges_[tile];
-        for (auto k = range.begin; k < range.begin + range.n; ++k) {
-            for (int l = 0; l < n_lanes; ++l) {
-                const DiskBatch& batch = batches_[static_cast<std::size_t>(k)];
-                if (batch.m_eff[l] > 0) {
-                    f(batch, k, l);
-                }
+        lane_of_.assign(static_cast<std::size_t>(range.n_candidates), -1);
+        for (auto slot = range.begin * n_lanes; slot < (range.begin + range.n) * n_lanes; ++slot) {
+            const std::int32_t c = source_[static_cast<std::size_t>(slot)];
+            if (c >= 0) {
+                lane_of_[static_cast<std::size_t>(c - range.candidates_begin)] = slot;
+            }
+        }
+        for (const std::int64_t slot : lane_of_) {
+            if (slot >= 0 && batches_[static_cast<std::size_t>(slot / n_lanes)].m_eff[slot % n_lanes] > 0) {
+                f(batches_[static_cast<std::size_t>(slot / n_lanes)], slot / n_lanes, static_cast<int>(slot % n_lanes));
             }
         }
     }
@@ -175,7 +182,8 @@ private:
     std::int64_t n_active_ = 0;
     bool fresh_ = true;
 
-    std::vector<GapBatch> gaps_;      ///< of one tile
+    mutable std::vector<std::int64_t> lane_of_; ///< scratch of for_each_lane
+    std::vector<GapBatch> gaps_;                ///< of one tile
     std::vector<std::int32_t> last_;  ///< by row: the latest batch that has the grain, counted over all tiles packed
     std::int32_t n_packed_ = 1;       ///< that count before the tile in hand
     std::vector<std::int8_t> filled_; ///< lanes in use of the tile's batches

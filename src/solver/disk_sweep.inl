@@ -194,7 +194,9 @@ NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, std:
     constexpr int doubles_per_line = 8, lines_per_batch = 3; // of a cache; own bodies of a tile are two a batch
     constexpr int batches_ahead = 8;                         // about 200 ns: what memory takes
     Lane zero = {};
+#if defined(__x86_64__)
     asm("" : "+x"(zero)); // not a literal, so that the selection below is one instruction, a maximum
+#endif
     const double third = 1.0 / 3.0;
     for (std::int64_t k = 0; k < n; ++k) {
         DiskBatch& batch = batches[k];

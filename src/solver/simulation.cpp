@@ -45,9 +45,9 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     walls_ = Walls<D>(scene_.walls);
     stage_start_ = 0;
     stage_steps_ = 0;
-    // Nothing may tell a sample made in this run from one found in the store: not the series' first row, not when tiles
-    // move.
+    // Nothing that is reported may tell a sample made in this run from one found in the store.
     counters_ = {};
+    domain_.halo().clear_traffic();
     last_balance_ = 0;
     last_residual_.reset();
     last_sweeps_ = 0;

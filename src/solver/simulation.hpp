@@ -61,7 +61,7 @@ public:
     /// grain.
     std::uint32_t step(std::uint32_t outside = 0, bool with_residual = false);
 
-    /// Of the last step, if it was asked for or a tolerance is set.
+    /// Of the last step, if it was asked for.
     const std::optional<Residual>& last_residual() const { return last_residual_; }
     int last_sweeps() const { return last_sweeps_; }
 

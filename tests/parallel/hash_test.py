@@ -94,6 +94,12 @@ class SameBits(NappeTest):
                 self.assertGreater(run.summary["rebalanced"], 1)
                 self.assertGreater(np.count_nonzero(first != last), 0, "no grain changed hands: the case is too easy")
 
+    def test_tiles_that_move_by_measured_time(self):
+        keys = sets(balance__by="time", balance__threshold=1.0)
+        for n, run in self.runs(FOLD, (2, 3, 5, 7), *keys):
+            if n > 1:
+                self.assertGreater(run.summary["rebalanced"], 0, "no tile moved: the case is too easy")
+
     def test_fewer_tiles_than_ranks(self):
         for n, run in self.runs(FOLD, (2, 3, 5, 7), *sets(tiles__side=30)):
             last = owners(run.out / "frames/frame-00000060.hdf")

@@ -107,7 +107,7 @@ TEST_F(Scaling, TrafficOfASweepIsThatOfTheGrainsAtTheCut) {
     EXPECT_LE(counted.messages_sent, n_tile_colours<2>);
     const auto both =
         std::count_if(truth.holders.begin(), truth.holders.end(), [](const auto& of) { return of.second.size() == 2; });
-    const double reach = 2 * 0.56 + 2 * 0.15 * 0.56; // r_max and half the skin, twice [m]
+    const double reach = 2 * 0.56 + 2 * 0.3 * 0.56; // r_max and half the skin, twice [m]
     const double most = 2 * reach * (height + side + 2 * reach) / (0.42 * 0.42 * 3.14 / 0.9);
     if (world.is_root()) {
         std::printf("%lld messages and %lld bytes a sweep from rank 0; both ranks hold %lld of %lld grains\n",
