@@ -3,6 +3,7 @@
 // is the bits that go with the revision. If this test fails and the change was meant, count physics_revision up
 // (src/commands/prepare.hpp) and put both here.
 #include "commands/prepare.hpp"
+#include "support/kernels.hpp"
 #include "support/serial_run.hpp"
 
 #include <gtest/gtest.h>
@@ -28,12 +29,13 @@ TEST(Revision, BitsOfASampleGoWithIt) {
     settle.solver.h = 0.025;
     scene.stages = {settle};
 
-    test::SerialRun run(scene);
-    for (int k = 0; k < 40; ++k) {
-        run.simulation().step();
-    }
     EXPECT_EQ(physics_revision, 3);
-    EXPECT_EQ(run.simulation().state_hash(), 0x819877c85f4b690eULL) << std::hex << run.simulation().state_hash();
+    for (const char* kernel : test::kernels_here()) {
+        test::SerialRun run(scene, kernel);
+        run.steps(40);
+        EXPECT_EQ(run.simulation().state_hash(), 0x819877c85f4b690eULL)
+            << kernel << ": " << std::hex << run.simulation().state_hash();
+    }
 }
 
 } // namespace
