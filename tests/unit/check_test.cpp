@@ -32,7 +32,7 @@ TEST(check, estimates_follow_from_the_scene) {
     const double round_off = 1e-12; // a handful of products and quotients
     EXPECT_NEAR(e.grains / grains, 1, round_off);
     EXPECT_NEAR(e.contacts / (2.1 * grains), 1, round_off);
-    EXPECT_NEAR(e.memory / (grains * (100 + 50 * 2.6)), 1, round_off);
+    EXPECT_NEAR(e.memory / (grains * (100 + 50 * 2.9)), 1, round_off);
     EXPECT_EQ(e.loading_steps, 300) << "settling does not count";
     EXPECT_NEAR(e.relaxations / (2.1 * grains * 300 * 60), 1, round_off);
     EXPECT_NEAR(e.seconds / (1e-8 * e.relaxations), 1, round_off);
