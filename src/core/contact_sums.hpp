@@ -1,6 +1,6 @@
 #pragma once
 // What series report of contacts: stress of cells, forces on walls and their work, summed over all steps of a reporting
-// interval. By tile in the order of the sweep, then exactly, so that the figures do not depend on ranks.
+// interval. By tile in the order of candidates, then exactly, so that the figures do not depend on ranks.
 
 #include "core/exact_sum.hpp"
 #include "core/state.hpp"
