@@ -179,6 +179,7 @@ void Recorder::write_frame(std::int64_t step, double time) {
     frame.step = step;
     frame.time = time;
     frame.scene_title = simulation_.scene().title;
+    frame.with_bonds = simulation_.contacts().cohesive();
     frame.grains = frame_grains(simulation_);
     frame.contacts = frame_contacts(simulation_);
     for (int w = 0; w < simulation_.walls().n_walls(); ++w) {

@@ -34,6 +34,7 @@ struct CandidateSet {
     std::vector<Tile> tiles; ///< in the order of keys
     std::vector<LocalId> a, b;
     std::vector<Impulse<D>> r; ///< of the last step
+    std::vector<Bond> bond;    ///< at the start of the step; empty unless cohesion acts
     /// First candidate of every class; a class ends where the next or the tile does.
     std::vector<std::int32_t> class_begin;
 
@@ -45,6 +46,7 @@ struct CandidateSet {
         a.clear();
         b.clear();
         r.clear();
+        bond.clear();
         class_begin.clear();
     }
 

@@ -14,7 +14,7 @@ namespace {
 template <int D>
 struct Spot {
     std::array<double, D> x;
-    double extent; ///< radius + margin [m]
+    double extent; ///< State::reach [m]
     GlobalId id;
     LocalId row;
 };
@@ -60,10 +60,10 @@ public:
         return slots;
     }
 
-    /// Largest radius + margin among the slow grains of a tile [m].
+    /// Largest reach among the slow grains of a tile [m].
     double slow_extent(std::size_t slot) const { return extent_[slot] < slow_ ? extent_[slot] : slow_; }
 
-    /// Largest radius + margin among the grains of a tile [m].
+    /// Largest reach among the grains of a tile [m].
     double extent(std::size_t slot) const { return extent_[slot]; }
 
     /// Calls f(begin, end) for runs of held grains in tiles of `ring` around the tile with this corner: the slow ones in cells within
@@ -113,7 +113,7 @@ private:
             while (next == key) {
                 NAPPE_ASSERT(j == i || state_.id[j - 1] < state_.id[j],
                              "ids fall within a tile at row " + std::to_string(j));
-                extent = std::max(extent, state_.radius[j] + state_.margin[j]);
+                extent = std::max(extent, state_.reach(j));
                 if (++j == to) {
                     break;
                 }
@@ -137,7 +137,7 @@ private:
         cell_begin_.resize(base + n_cells_ + 1, 0);
         cell_.clear();
         for (LocalId i = from; i < to; ++i) {
-            if (state_.radius[i] + state_.margin[i] > slow_) {
+            if (state_.reach(i) > slow_) {
                 fast_.push_back(spot(i));
                 cell_.push_back(-1);
                 continue;
@@ -168,7 +168,7 @@ private:
         for (int d = 0; d < D; ++d) {
             s.x[d] = state_.x_ref[i][d];
         }
-        s.extent = state_.radius[i] + state_.margin[i];
+        s.extent = state_.reach(i);
         s.id = state_.id[i];
         s.row = i;
         return s;
@@ -176,7 +176,7 @@ private:
 
     const State<D>& state_;
     const TileGrid<D>& grid_;
-    double slow_ = 0; ///< largest radius + margin of a slow grain [m]
+    double slow_ = 0; ///< largest reach of a slow grain [m]
     int k_ = 1;
     std::size_t n_cells_ = 1;
     std::size_t n_own_tiles_ = 0;
@@ -211,7 +211,7 @@ public:
         }
         near_features(slot);
         for (LocalId i = cells_.begin(slot); i < cells_.end(slot); ++i) {
-            const double reach = state_.radius[i] + state_.margin[i];
+            const double reach = state_.reach(i);
             find_partners(i, corner, ring, reach, reach + widest);
             for (std::size_t k = 0; k < found_; ++k) {
                 a.push_back(i);
@@ -262,16 +262,20 @@ private:
         const Vec<D> middle = grid_.corner(key) + Vec<D>::Constant(0.5 * grid_.side());
         const double half_diagonal = 0.5 * grid_.side() * std::sqrt(static_cast<double>(D)) * (1 + 1e-9);
         for (int f = 0; f < walls_.n_features(); ++f) {
-            const double margin = walls_.margin[static_cast<std::size_t>(walls_.feature(2 * f).wall)];
+            const double margin = wall_reach(f);
             if (walls_.distance_ref(f, middle) <= half_diagonal + cells_.extent(slot) + margin) {
                 features_.push_back(f);
             }
         }
     }
 
+    double wall_reach(int f) const {
+        return walls_.margin[static_cast<std::size_t>(walls_.feature(2 * f).wall)] + state_.attraction;
+    }
+
     void add_walls(LocalId i, double reach) {
         for (const int f : features_) {
-            const double margin = walls_.margin[static_cast<std::size_t>(walls_.feature(2 * f).wall)];
+            const double margin = wall_reach(f);
             if (walls_.distance_ref(f, state_.x_ref[i]) <= reach + margin) {
                 a.push_back(i);
                 b.push_back(state_.n_held() + walls_.side_of(f, state_.x_ref[i]));

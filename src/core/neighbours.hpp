@@ -10,7 +10,7 @@
 namespace nappe {
 
 /// Local. Fills `set` anew: finds every pair of a grain of an owned tile with a held grain of higher id, or with a wall, whose surfaces
-/// are nearer than the sum of their margins, puts them in the order of CandidateSet and gives each the impulse that
+/// are nearer than the sum of their margins and the range of cohesion, puts them in the order of CandidateSet and gives each the impulse that
 /// `memory` has for it. Pre: state.x_ref, margin and radius of held grains are set, rows [0, n_own) sorted by (tile,
 /// id), and so are the ghosts.
 template <int D>

@@ -32,7 +32,7 @@ template <int D>
 struct ContactRow {
     GlobalId lo = 0;                 ///< always a grain
     GlobalId hi = 0;                 ///< a grain, or >= wall_key
-    double r_n = 0;                  ///< normal impulse of the last step [N s]
+    double r_n = 0;                  ///< normal impulse of the last step [N s]; < 0 where cohesion pulls
     std::array<double, D - 1> r_t{}; ///< tangential impulse [N s]
 };
 
@@ -48,7 +48,18 @@ struct FrameGrain {
 /// What a contact did in the last step.
 enum class ContactStatus : std::int32_t { open = 0, stick = 1, slip = 2 };
 
-/// A contact as a frame shows it: those with an impulse or a gap <= 0. Trivially copyable.
+/// How a pair stands by its gap at the end of a step (seeds/000 fig. 3): what decides which law acts in the next one.
+enum class Bond : std::int8_t {
+    none = 0,     ///< gap > d_w: the plain law
+    cohesive = 1, ///< 0 < gap <= d_w
+    stick = 2     ///< gap <= 0
+};
+
+inline Bond bond_at(double gap, double d_w) {
+    return gap > d_w ? Bond::none : gap > 0 ? Bond::cohesive : Bond::stick;
+}
+
+/// A contact as a frame shows it: those with an impulse, a gap <= 0 or a bond. Trivially copyable.
 template <int D>
 struct FrameContact {
     GlobalId lo = 0;
@@ -56,10 +67,11 @@ struct FrameContact {
     std::array<double, D> point{};   ///< midway between the two surfaces [m]
     std::array<double, D> normal{};  ///< unit, from hi to lo
     double gap = 0;                  ///< [m], negative where the two overlap
-    double r_n = 0;                  ///< [N s]
+    double r_n = 0;                  ///< [N s]; < 0 where cohesion pulls
     std::array<double, D - 1> r_t{}; ///< [N s]
     std::int32_t wall = -1;          ///< index into Scene::walls, -1 between grains
     std::int32_t status = 0;         ///< ContactStatus
+    std::int32_t bond = 0;           ///< Bond, by the gap now
 };
 
 } // namespace nappe

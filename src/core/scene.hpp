@@ -16,14 +16,21 @@ namespace nappe {
 struct Material {
     std::string name;
     double density = 0; ///< [kg/m³] in the plane: mass per metre of depth; 0 for materials only walls are made of
+    std::optional<double> gamma; ///< [N], of its cohesive laws that give none themselves
+    std::optional<double> d_w;   ///< [m], likewise
 };
 
-/// Signorini–Coulomb with Newton restitution, for one unordered pair of materials.
+/// Signorini–Coulomb with Newton restitution or with cohesion (the non-smooth Lennard-Jones law, seeds/000 §4.3), for
+/// one unordered pair of materials.
 struct ContactLaw {
     int material_a = 0;
     int material_b = 0;
     double friction = 0;    ///< mu
-    double restitution = 0; ///< e, in [0, 1]
+    double restitution = 0; ///< e, in [0, 1]; 0 with cohesion
+    double gamma = 0;       ///< greatest attraction [N], per metre of depth; none while the sample is prepared
+    double d_w = 0;         ///< gap up to which a pair is bonded [m]
+
+    double range() const { return gamma > 0 ? d_w : 0.0; } ///< without an attraction there is no bond
 };
 
 struct RadiusLaw {
@@ -156,6 +163,16 @@ struct Scene {
     TileSettings tiles;
     BalanceSettings balance;
 };
+
+/// Largest gap at which any pair is bonded [m].
+template <int D>
+double largest_range(const Scene<D>& scene) {
+    double range = 0;
+    for (const auto& law : scene.laws) {
+        range = std::max(range, law.range());
+    }
+    return range;
+}
 
 /// The law between two materials, or nullptr if the scene has none.
 template <int D>

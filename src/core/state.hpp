@@ -57,6 +57,7 @@ struct GrainRecord {
 template <int D>
 struct State {
     LocalId n_own = 0;
+    double attraction = 0; ///< half the largest gap at which cohesion acts in this stage [m]
     std::vector<GlobalId> id;
     std::vector<Vec<D>> x;              ///< position at the start of the step [m]
     std::vector<BodyPlace<D>> mid;      ///< predicted position, where contacts are detected
@@ -70,6 +71,9 @@ struct State {
     std::vector<std::uint64_t> cells;                    ///< bit k: member of Output::cells[k]
     std::vector<std::int32_t> layer;
     std::vector<std::int32_t> material;
+
+    /// How far from x_ref a grain's contacts may begin before the next rebuild [m].
+    double reach(LocalId i) const { return radius[i] + margin[i] + attraction; }
 
     LocalId n_held() const { return static_cast<LocalId>(id.size()); }
     LocalId n_bodies() const { return static_cast<LocalId>(u.size()); }

@@ -74,7 +74,8 @@ void add_grains(const RowRange& range, const std::vector<FrameGrain<D>>& grains,
 }
 
 template <int D>
-void add_contacts(const RowRange& range, const std::vector<FrameContact<D>>& contacts, Hdf5Content& content) {
+void add_contacts(const RowRange& range, const std::vector<FrameContact<D>>& contacts, bool with_bonds,
+                  Hdf5Content& content) {
     using Row = FrameContact<D>;
     std::int64_t next = range.first;
     // Its own number, only because readers of XDMF want the vertices of a grid listed.
@@ -89,6 +90,9 @@ void add_contacts(const RowRange& range, const std::vector<FrameContact<D>>& con
     content.add<double>("/contacts/r_t", D - 1, range, contacts,
                         [](const Row& c, double* to) { std::copy(c.r_t.begin(), c.r_t.end(), to); });
     content.add<std::int32_t>("/contacts/status", range, contacts, [](const Row& c) { return c.status; });
+    if (with_bonds) {
+        content.add<std::int32_t>("/contacts/bond", range, contacts, [](const Row& c) { return c.bond; });
+    }
 }
 
 /// A wall's name as the name of a dataset: '/' would make groups of it, and two walls must not meet in one name.
@@ -133,7 +137,7 @@ FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& p
     Hdf5Content content;
     add_topology(comm, grain_range, content);
     add_grains(grain_range, grains, content);
-    add_contacts(contact_range, contacts, content);
+    add_contacts(contact_range, contacts, frame.with_bonds, content);
     add_walls(comm, frame.walls, content);
     content.attributes.push_back({"/VTKHDF", "Version", std::vector<std::int64_t>{1, 0}});
     content.attributes.push_back({"/VTKHDF", "Type", std::string("UnstructuredGrid")});

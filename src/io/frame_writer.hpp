@@ -26,6 +26,7 @@ struct Frame {
     std::vector<FrameGrain<D>> grains;     ///< ids 0 … n-1 over all ranks
     std::vector<FrameContact<D>> contacts; ///< each on one rank, any that holds it
     std::vector<FrameWall<D>> walls;       ///< same on all ranks, in the order of Scene::walls
+    bool with_bonds = false;               ///< a scene with cohesion: contacts show how they are bonded
 };
 
 /// How many rows a frame has over all ranks; the XDMF index needs them.

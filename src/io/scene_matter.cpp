@@ -167,15 +167,68 @@ void read_motion(const TableReader& wall, const Scene<2>& scene, Wall<2>& target
     target.motion = motion;
 }
 
+RealRule gamma_rule() {
+    return not_negative("N", "give the attraction of a pair per metre of depth, 0 for none");
+}
+
+RealRule d_w_rule() {
+    return positive("m", "give the gap up to which a pair is bonded, 0.05 mean radii for example");
+}
+
+/// A parameter of a pair that its law does not give: that of the materials, if they do not contradict each other.
+bool from_materials(const TableReader& table, std::string_view key, const std::optional<double>& of_a,
+                    const std::optional<double>& of_b, double& target) {
+    if (of_a && of_b && *of_a != *of_b) {
+        table.problem(
+            key, fmt::format("must be given where the two materials have different ones ({} and {})", *of_a, *of_b),
+            "say which holds for the pair");
+        return false;
+    }
+    if (!of_a && !of_b) {
+        table.problem(key, "must be given in a cohesive law, or by one of its materials",
+                      "or write type = \"frictional\"");
+        return false;
+    }
+    target = of_a ? *of_a : *of_b;
+    return true;
+}
+
+void read_cohesion(const TableReader& table, const Scene<2>& scene, bool cohesive, ContactLaw& law) {
+    if (!cohesive) {
+        for (const auto* key : {"gamma", "d_w"}) {
+            if (table.has(key)) {
+                table.problem(key, "must be absent in a frictional law", "write type = \"cohesive\"");
+            }
+        }
+        return;
+    }
+    const auto& a = scene.materials[static_cast<std::size_t>(law.material_a)];
+    const auto& b = scene.materials[static_cast<std::size_t>(law.material_b)];
+    const bool has_gamma = table.has("gamma") ? table.read("gamma", law.gamma, gamma_rule())
+                                              : from_materials(table, "gamma", a.gamma, b.gamma, law.gamma);
+    if (has_gamma && (law.gamma > 0 || table.has("d_w"))) { // without attraction there is no range to give
+        if (table.has("d_w")) {
+            table.read("d_w", law.d_w, d_w_rule());
+        } else {
+            from_materials(table, "d_w", a.d_w, b.d_w, law.d_w);
+        }
+    }
+    if (law.gamma > 0 && law.restitution > 0) {
+        table.problem("restitution", "must be 0 in a law with gamma > 0", "bonded pairs do not rebound");
+    }
+}
+
 } // namespace
 
 void read_materials(const TableReader& top, Scene<2>& scene) {
     // Walls are made of this one unless they say otherwise.
-    scene.materials.push_back({"wall", 0});
+    scene.materials.push_back({"wall", 0, {}, {}});
     for (const auto& [name, table] : top.named_tables("materials", "[materials.NAME]", "write [materials.rock]")) {
-        Material material{name, 0};
+        Material material{name, 0, {}, {}};
         table.read("density", material.density,
                    positive("kg/m³", "give the mass per area, or leave it out if only walls are made of it"));
+        table.read("gamma", material.gamma, gamma_rule());
+        table.read("d_w", material.d_w, d_w_rule());
         if (name == "wall") {
             scene.materials.front() = material;
         } else {
@@ -188,8 +241,9 @@ void read_laws(const TableReader& top, Scene<2>& scene) {
     for (const auto& table : top.tables("laws", "[[laws]]", "write [[laws]]")) {
         ContactLaw law;
         std::string type;
-        if (table.read("type", type, "write \"frictional\"", Need::required) && type != "frictional") {
-            table.problem("type", "must be \"frictional\"", "no other contact law is built");
+        if (table.read("type", type, "write \"frictional\" or \"cohesive\"", Need::required) && type != "frictional" &&
+            type != "cohesive") {
+            table.problem("type", "must be \"frictional\" or \"cohesive\"", "no other contact law is built");
         }
         table.read("friction", law.friction, not_negative("", "give the coefficient of Coulomb friction"),
                    Need::required);
@@ -197,6 +251,7 @@ void read_laws(const TableReader& top, Scene<2>& scene) {
         if (!read_pair(table, scene, law)) {
             continue;
         }
+        read_cohesion(table, scene, type == "cohesive", law);
         if (find_law(scene, law.material_a, law.material_b) != nullptr) {
             table.problem("between",
                           fmt::format("must be the only law between {} and {}",

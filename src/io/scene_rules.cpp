@@ -217,13 +217,14 @@ void check_single_grains(const Scene<2>& scene, Problems& problems) {
 void check_tiles(const Scene<2>& scene, const Radii& radii, Problems& problems) {
     const double side = scene.tiles.side_for(radii.max);
     const double skin = scene.tiles.skin_for(radii.max);
-    const double least = 2 * (2 * radii.max + skin);
+    const double range = largest_range(scene);
+    const double least = 2 * (2 * radii.max + skin + range);
     if (!(side > least)) {
         problems.add(
             scene.tiles.side > 0 ? "tiles.side" : "tiles.skin",
-            fmt::format("side must be > 2 (2 r_max + skin) = {:.6g} [m], found side {:.6g} with skin {:.6g} and "
-                        "r_max {:.6g}; give a wider side or a smaller skin",
-                        least, side, skin, radii.max));
+            fmt::format("side must be > 2 (2 r_max + skin + d_w) = {:.6g} [m], found side {:.6g} with skin {:.6g}, "
+                        "d_w {:.6g} and r_max {:.6g}; give a wider side or a smaller skin",
+                        least, side, skin, range, radii.max));
     }
 }
 

@@ -59,8 +59,9 @@ public:
     const TileGrid<D>& grid() const { return grid_; }
     const TileDirectory& directory() const { return directory_; }
 
-    /// Largest margin tiles allow: two tiles of one colour must not reach the same grain, so 4 (r + margin) < S [m].
-    double largest_margin(double r_max) const { return 0.2499 * grid_.side() - r_max; }
+    /// Largest margin tiles allow: two tiles of one colour must not reach the same grain, so 4 (r + margin + attraction)
+    /// < S [m].
+    double largest_margin(double r_max, double attraction) const { return 0.2499 * grid_.side() - r_max - attraction; }
 
     std::int64_t n_grains() const { return n_grains_; }  ///< of all ranks
     double last_imbalance() const { return imbalance_; } ///< largest over mean load, when last looked at

@@ -65,12 +65,12 @@ std::vector<typename Domain<D>::Mover> Domain<D>::find_movers(const State<D>& st
     return movers;
 }
 
-/// Largest radius + margin of owned grains [m].
+/// Largest reach of owned grains [m].
 template <int D>
 double Domain<D>::widest_reach(const State<D>& state) {
     double widest = 0;
     for (LocalId i = 0; i < state.n_own; ++i) {
-        const double reach = state.radius[i] + state.margin[i];
+        const double reach = state.reach(i);
         widest = reach > widest ? reach : widest;
     }
     return widest;
@@ -215,7 +215,7 @@ std::vector<GrainRecord<D>> Domain<D>::fetch_ghosts(const State<D>& state) {
             continue;
         }
         for (LocalId i = tile.begin; i < tile.end; ++i) {
-            holders.find(tile.key, state.x[i], state.radius[i] + state.margin[i] + range_max_, ranks);
+            holders.find(tile.key, state.x[i], state.reach(i) + range_max_, ranks);
             for (const int r : ranks) {
                 to[static_cast<std::size_t>(r)].push_back(state.record(i));
             }

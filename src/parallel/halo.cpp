@@ -94,7 +94,7 @@ void Halo<D>::find_shared(const State<D>& state, const TileGrid<D>& grid, const 
     Holders<D> holders(grid, directory, comm_.rank());
     std::vector<int> ranks;
     const auto look_at = [&](TileKey tile, LocalId i) {
-        holders.find(tile, state.x_ref[i], state.radius[i] + state.margin[i] + range_max, ranks);
+        holders.find(tile, state.x_ref[i], state.reach(i) + range_max, ranks);
         if (!ranks.empty()) {
             const auto begin = static_cast<std::int32_t>(holder_.size());
             holder_.insert(holder_.end(), ranks.begin(), ranks.end());

@@ -26,8 +26,8 @@ public:
     /// Local. Whether another rank owns this tile or one around it: if not, nobody else holds the grains in it.
     bool any_near(TileKey tile);
 
-    /// Local. @param tile of the grain @param x_ref its position [m] @param range radius + margin of the grain plus the
-    /// largest radius + margin of all grains [m]. Fills `ranks` in ascending order, without this rank.
+    /// Local. @param tile of the grain @param x_ref its position [m] @param range reach of the grain plus the largest of all
+    /// grains [m]. Fills `ranks` in ascending order, without this rank.
     void find(TileKey tile, const Vec<D>& x_ref, double range, std::vector<int>& ranks);
 
 private:
@@ -58,7 +58,7 @@ public:
 
     /// **Collective.** From the candidates of owned tiles, who has to hear of what after which colour; marks interface
     /// tiles. Talks to neighbours only. Pre: no pass is under way.
-    /// @param range_max largest radius + margin of all grains [m].
+    /// @param range_max largest reach of all grains [m].
     void build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
                CandidateSet<D>& candidates);
 

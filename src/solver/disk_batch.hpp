@@ -28,6 +28,12 @@ struct alignas(64) FrictionBatch {
     double mu[n_lanes];
 };
 
+/// What the attraction of a batch's bonded contacts may reach, gamma h >= 0, kept only while cohesion acts; 0 where the
+/// plain law does.
+struct alignas(64) CohesionBatch {
+    double most[n_lanes]; ///< [N s]
+};
+
 /// Where eight pairs of disks stand; of a pair with a wall, size and gap are NaN.
 struct alignas(64) GapBatch {
     double nx[n_lanes], ny[n_lanes]; ///< unit normal from b to a
@@ -54,12 +60,18 @@ struct DiskKernels {
     const char* name;
     /// One Gauss–Seidel pass over n batches, in order. `mixed` is nullptr where one `mu` holds for all.
     void (*relax)(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u, BodyRange soon);
+    /// The same with cohesion: r_n down to -most, friction up to mu (r_n + most).
+    void (*relax_cohesive)(DiskBatch* batches, const FrictionBatch* mixed, const CohesionBatch* cohesion,
+                           std::int64_t n, double mu, double* u, BodyRange soon);
     /// Adds the effect of the impulses that the batches hold to the velocities: a warm start.
     void (*apply)(const DiskBatch* batches, std::int64_t n, double* u);
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that
     /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back. Returns how many are awake.
     /// Lanes of walls count as awake; what they get is for the caller to overwrite.
     std::int64_t (*refresh)(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h);
+    /// The same with cohesion: what is bonded never sleeps.
+    std::int64_t (*refresh_cohesive)(DiskBatch* batches, const CohesionBatch* cohesion, std::int64_t n,
+                                     const BodyArrays& bodies, double h);
     /// Pairs which[0] … which[n-1] of the lists a and b (rows); `which` nullptr: the first n. Writes (n + 7) / 8
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

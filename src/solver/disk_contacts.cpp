@@ -10,9 +10,6 @@ namespace nappe {
 
 namespace {
 
-/// Room for contacts that come to act in a tile before the next rebuild.
-constexpr std::int64_t spare_batches = 2;
-
 double normal_speed(const Vec<2>& n, const BodyVelocity<2>& a, const BodyVelocity<2>& b) {
     return n[0] * (a.v[0] - b.v[0]) + n[1] * (a.v[1] - b.v[1]);
 }
@@ -32,10 +29,6 @@ bool went_through(const State<2>& state, const Walls<2>& walls, const ContactGeo
 bool sleeps(double gap, double size, double v_free, double v_old, double h) {
     const double slower = v_old < v_free ? v_old : v_free;
     return gap > 0.01 * size + (slower < 0 ? -2 * h * slower : 0.0);
-}
-
-BodyArrays arrays(const State<2>& state) {
-    return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
 }
 
 /// Whether a or b is in the batch already; walls may be, they are never written.
@@ -87,37 +80,6 @@ PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates
     return faults;
 }
 
-/// An empty storage for these candidates, and their pairs with walls.
-void DiskContacts::lay_out(const Step& step) {
-    const auto& candidates = step.candidates;
-    const auto n_tiles = candidates.tiles.size();
-    const auto most = static_cast<std::size_t>(candidates.size()) / n_lanes + (3 + spare_batches) * n_tiles;
-    batches_.clear();
-    batches_.reserve(most); // address space: what is not used is never touched
-    source_.clear();
-    source_.reserve(most * n_lanes);
-    friction_.clear();
-    walls_.clear();
-    asleep_.resize(static_cast<std::size_t>(candidates.size()));
-    ranges_.assign(n_tiles, {});
-    last_.assign(static_cast<std::size_t>(step.state.n_held()), 0);
-    n_packed_ = 1;
-    n_active_ = 0;
-    for (std::size_t t = 0; t < n_tiles; ++t) {
-        ranges_[t].walls_begin = static_cast<std::int32_t>(walls_.size());
-        for (auto c = candidates.tiles[t].candidates_begin; c < candidates.tiles[t].candidates_end; ++c) {
-            if (candidates.b[c] >= step.state.n_held()) {
-                walls_.push_back({c, false, -1});
-            }
-        }
-        ranges_[t].candidates_begin = candidates.tiles[t].candidates_begin;
-        ranges_[t].n_candidates = candidates.tiles[t].candidates_end - candidates.tiles[t].candidates_begin;
-        ranges_[t].bodies = {4 * std::int64_t{candidates.tiles[t].grains_begin},
-                             4 * std::int64_t{candidates.tiles[t].grains_end}};
-        ranges_[t].n_walls = static_cast<std::int32_t>(walls_.size()) - ranges_[t].walls_begin;
-    }
-}
-
 /// Normals and biases of a tile all of whose active contacts have lanes; false: some have none, or too many sleep.
 bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& faults) {
     Range& range = ranges_[tile];
@@ -125,11 +87,16 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
         return false;
     }
     const std::int64_t was_active = range.active;
-    range.active = kernels_->refresh(batches_.data() + range.begin, range.n, step.bodies, step.h);
+    if (cohesive_) {
+        refresh_bonds(range, step);
+        range.active = kernels_->refresh_cohesive(batches_.data() + range.begin, cohesion_.data() + range.begin,
+                                                  range.n, step.bodies, step.h);
+    } else {
+        range.active = kernels_->refresh(batches_.data() + range.begin, range.n, step.bodies, step.h);
+    }
     for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
         WallPair& pair = walls_[static_cast<std::size_t>(w)];
-        const LocalId a = step.candidates.a[pair.candidate], b = step.candidates.b[pair.candidate];
-        const auto found = judge_wall(step, a, b, faults);
+        const auto found = judge_wall(step, pair.candidate, faults);
         const bool acts = found.decision == Decision::act;
         if (acts && pair.slot < 0) {
             range.active = was_active; // what the caller has counted
@@ -170,13 +137,11 @@ bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& fau
     auto wall = static_cast<std::size_t>(range.walls_begin);
     for (std::int32_t k = 0; k < n; ++k) {
         const std::int32_t c = of.candidates_begin + k;
-        const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
-        const bool of_wall = b >= step.state.n_held();
+        const bool of_wall = step.candidates.b[c] >= step.state.n_held();
         const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
         const int l = k % n_lanes;
-        const Found found = of_wall
-                                ? judge_wall(step, a, b, faults)
-                                : judge(step, a, b, Vec<2>(g.nx[l], g.ny[l]), g.gap[l], g.size[l], g.v[l], g.v_old[l]);
+        const Found found = of_wall ? judge_wall(step, c, faults)
+                                    : judge(step, c, Vec<2>(g.nx[l], g.ny[l]), g.gap[l], g.size[l], g.v[l], g.v_old[l]);
         std::int64_t slot = -1;
         if (found.decision == Decision::act) {
             slot = place(range, step, c, found);
@@ -212,15 +177,16 @@ bool DiskContacts::any_wakes(std::size_t tile, const Step& step) {
     for (std::int32_t k = 0; k < n; ++k) {
         const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
         const int l = k % n_lanes;
-        if (!sleeps(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.h)) {
+        if (bonded(step, which[k]) || !sleeps(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.h)) {
             return true;
         }
     }
     return false;
 }
 
-DiskContacts::Found DiskContacts::judge(const Step& step, LocalId a, LocalId b, const Vec<2>& n, double gap,
-                                        double size, double v_free, double v_old) const {
+DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const Vec<2>& n, double gap, double size,
+                                        double v_free, double v_old) const {
+    const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
     Found found{Decision::act, n, gap > 0 ? gap / step.h : 0.0};
     if (laws_.any_restitution) {
         const double e = laws_.restitution(step.state.material[a], step.state.material[b]);
@@ -233,14 +199,15 @@ DiskContacts::Found DiskContacts::judge(const Step& step, LocalId a, LocalId b, 
             return found;
         }
     }
-    if (!step.activate_all && sleeps(gap, size, v_free, v_old, step.h)) {
+    if (!step.activate_all && !bonded(step, c) && sleeps(gap, size, v_free, v_old, step.h)) {
         found.decision = Decision::sleep;
     }
     return found;
 }
 
-DiskContacts::Found DiskContacts::judge_wall(const Step& step, LocalId a, LocalId b, PackFaults& faults) const {
+DiskContacts::Found DiskContacts::judge_wall(const Step& step, std::int32_t c, PackFaults& faults) const {
     const auto& state = step.state;
+    const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
     const auto g = contact_geometry(state, step.walls, a, b);
     if (went_through(state, step.walls, g, a, b, step.h) && state.id[a] < faults.through_wall) {
         faults.through_wall = state.id[a];
@@ -249,7 +216,7 @@ DiskContacts::Found DiskContacts::judge_wall(const Step& step, LocalId a, LocalI
     if (!g.applies) {
         return {};
     }
-    return judge(step, a, b, g.n, g.gap, state.radius[a] + state.radius[a], normal_speed(g.n, state.u[a], state.u[b]),
+    return judge(step, c, g.n, g.gap, state.radius[a] + state.radius[a], normal_speed(g.n, state.u[a], state.u[b]),
                  normal_speed(g.n, state.u_old[a], state.u_old[b]));
 }
 
@@ -298,29 +265,13 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
     if (!laws_.uniform) {
         friction_[static_cast<std::size_t>(at)].mu[l] = laws_.friction(step.state.material[a], step.state.material[b]);
     }
+    if (cohesive_) {
+        refresh_bond(at * n_lanes + l, step, c);
+    }
     source_[static_cast<std::size_t>(at * n_lanes + l)] = c;
     ++range.active;
     ++range.packed;
     return at * n_lanes + l;
-}
-
-/// Batches at the end of the storage for its last tile.
-void DiskContacts::grow(Range& range, std::int64_t n) {
-    range.room += n;
-    batches_.resize(static_cast<std::size_t>(range.begin + range.room));
-    source_.resize(batches_.size() * n_lanes, -1);
-    if (!laws_.uniform) {
-        friction_.resize(batches_.size());
-    }
-}
-
-/// Eight null contacts.
-void DiskContacts::clear(std::int64_t at, LocalId null_body) {
-    DiskBatch& batch = batches_[static_cast<std::size_t>(at)];
-    batch = {};
-    std::fill(std::begin(batch.a), std::end(batch.a), 4u * static_cast<std::uint32_t>(null_body));
-    std::fill(std::begin(batch.b), std::end(batch.b), 4u * static_cast<std::uint32_t>(null_body));
-    std::fill_n(source_.begin() + at * n_lanes, n_lanes, -1);
 }
 
 /// missed_any for the contacts of disks that sleep in their lanes.
@@ -366,28 +317,6 @@ bool DiskContacts::missed_any(const State<2>& state, const CandidateSet<2>& cand
         }
         const auto g = contact_geometry(state, walls, a, b);
         return g.gap + h * normal_speed(g.n, state.u[a], state.u[b]) < 0;
-    });
-}
-
-void DiskContacts::store(CandidateSet<2>& candidates) const {
-    if (!fresh_) {
-        store_tiles_but(ranges_.size(), candidates);
-    }
-}
-
-void DiskContacts::store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const {
-    for (std::size_t t = 0; t < ranges_.size(); ++t) {
-        if (t != left_out) {
-            store_tile(t, candidates);
-        }
-    }
-}
-
-void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) const {
-    const auto& of = candidates.tiles[tile];
-    std::fill(candidates.r.begin() + of.candidates_begin, candidates.r.begin() + of.candidates_end, Impulse<2>{});
-    for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
-        candidates.r[source_[static_cast<std::size_t>(k * n_lanes + l)]] = {batch.r_n[l], {batch.r_t[l]}};
     });
 }
 

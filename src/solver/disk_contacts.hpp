@@ -38,6 +38,14 @@ class DiskContacts {
 public:
     DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(&kernels) {}
 
+    /// Local. From now on, with the law's cohesion or without; to be followed by `forget`.
+    void set_cohesive(bool cohesive) { cohesive_ = cohesive && laws_.any_cohesion; }
+    bool cohesive() const { return cohesive_; }
+
+    /// Local. Which pairs are bonded, from their gaps at State::mid and Walls::offset_mid, which are to be the positions
+    /// at the start of the step: fills candidates.bond. Pre: cohesive().
+    void find_bonds(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls);
+
     /// Local. Candidates are new, or their impulses: the next `pack` takes both.
     void forget() { fresh_ = true; }
 
@@ -45,7 +53,8 @@ public:
     /// first time with their impulses from `candidates`, later with those that the batches hold. Who may act: a gap
     /// below what the pair could close at twice its present speed of approach, plus 1 % of the radii; the others sleep.
     /// `activate_all` packs every candidate. Pre: u is the free velocity, u_old that of the step's start; `candidates`
-    /// are those of the last call, or `forget` was called.
+    /// are those of the last call, or `forget` was called; with cohesion their bonds are those of this step, and what is
+    /// bonded acts whatever its gap.
     PackFaults pack(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
                     bool activate_all);
 
@@ -56,8 +65,13 @@ public:
     void relax(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u) {
         const Range& r = ranges_[tile];
         const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        kernels_->relax(batches_.data() + r.begin, laws_.uniform ? nullptr : friction_.data() + r.begin, r.n,
-                        laws_.uniform_friction, u.data()->v.data(), soon);
+        const FrictionBatch* friction = laws_.uniform ? nullptr : friction_.data() + r.begin;
+        if (cohesive_) {
+            kernels_->relax_cohesive(batches_.data() + r.begin, friction, cohesion_.data() + r.begin, r.n,
+                                     laws_.uniform_friction, u.data()->v.data(), soon);
+            return;
+        }
+        kernels_->relax(batches_.data() + r.begin, friction, r.n, laws_.uniform_friction, u.data()->v.data(), soon);
     }
 
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) const {
@@ -93,8 +107,14 @@ public:
     /// Of a packed contact where one friction coefficient serves all.
     static constexpr std::size_t bytes_per_packed = sizeof(DiskBatch) / n_lanes + sizeof(std::int32_t);
 
-    std::size_t bytes_per_contact() const { return bytes_per_packed + (laws_.uniform ? 0 : sizeof(double)); }
-    std::size_t bytes_swept() const { return batches_.size() * sizeof(DiskBatch); } ///< by one sweep, without bodies
+    std::size_t bytes_per_contact() const {
+        return bytes_per_packed + (laws_.uniform ? 0 : sizeof(double)) +
+               (cohesive_ ? sizeof(double) + sizeof(Bond) : 0);
+    }
+    /// By one sweep, without bodies.
+    std::size_t bytes_swept() const {
+        return batches_.size() * (sizeof(DiskBatch) + (cohesive_ ? sizeof(CohesionBatch) : 0));
+    }
     const char* instruction_set() const { return kernels_->name; }
 
 private:
@@ -109,6 +129,9 @@ private:
         std::int32_t asleep = 0;                   ///< entries of asleep_ from candidates_begin on
         std::int32_t walls_begin = 0, n_walls = 0; ///< entries of walls_
     };
+
+    /// Room for contacts that come to act in a tile before the next rebuild.
+    static constexpr std::int64_t spare_batches = 2;
 
     /// A candidate with a wall: wall geometry is not the kernels'.
     struct WallPair {
@@ -134,6 +157,9 @@ private:
         BodyArrays bodies;
     };
 
+    static BodyArrays arrays(const State<2>& state) {
+        return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
+    }
     static LocalId row(std::uint32_t index) { return static_cast<LocalId>(index / 4); }
 
     /// Contacts that do not sleep, in the order of candidates: lanes are where there was room, which depends on what the
@@ -156,13 +182,18 @@ private:
     }
 
     void lay_out(const Step& step);
+    void refresh_bonds(const Range& range, const Step& step);
+    void refresh_bond(std::int64_t slot, const Step& step, std::int32_t c);
     bool refresh_tile(std::size_t tile, const Step& step, PackFaults& faults);
     bool pack_tile(std::size_t tile, const Step& step, PackFaults& faults);
     bool missed_in_lanes(const Range& range, const State<2>& state, const Walls<2>& walls, double h) const;
     bool any_wakes(std::size_t tile, const Step& step);
-    Found judge(const Step& step, LocalId a, LocalId b, const Vec<2>& n, double gap, double size, double v_free,
+    bool bonded(const Step& step, std::int32_t c) const {
+        return cohesive_ && step.candidates.bond[static_cast<std::size_t>(c)] != Bond::none;
+    }
+    Found judge(const Step& step, std::int32_t c, const Vec<2>& n, double gap, double size, double v_free,
                 double v_old) const;
-    Found judge_wall(const Step& step, LocalId a, LocalId b, PackFaults& faults) const;
+    Found judge_wall(const Step& step, std::int32_t c, PackFaults& faults) const;
     std::int64_t place(Range& range, const Step& step, std::int32_t c, const Found& found);
     void grow(Range& range, std::int64_t n);
     void clear(std::int64_t at, LocalId null_body);
@@ -175,10 +206,12 @@ private:
     const DiskKernels* kernels_;
     std::vector<DiskBatch> batches_;
     std::vector<FrictionBatch> friction_; ///< empty if laws_.uniform
-    std::vector<std::int32_t> source_;    ///< candidate of every lane, -1 for null contacts
-    std::vector<Range> ranges_;           ///< of every tile
-    std::vector<std::int32_t> asleep_;    ///< candidates of disks that sleep, by tile
-    std::vector<WallPair> walls_;         ///< by tile
+    std::vector<CohesionBatch> cohesion_; ///< empty unless cohesive_
+    bool cohesive_ = false;
+    std::vector<std::int32_t> source_; ///< candidate of every lane, -1 for null contacts
+    std::vector<Range> ranges_;        ///< of every tile
+    std::vector<std::int32_t> asleep_; ///< candidates of disks that sleep, by tile
+    std::vector<WallPair> walls_;      ///< by tile
     std::int64_t n_active_ = 0;
     bool fresh_ = true;
 

@@ -6,8 +6,10 @@
 //     r_n <- max(0, r_n - (v_n + b) / W_nn),   r_t <- clamp(r_t - v_t / W_tt, -mu r_n, mu r_n)
 // with W_nn = 1/m_a + 1/m_b and, for disks (I = m r²/2), W_tt = 3 W_nn, W_nt = 0. With s = r x spin the relative
 // velocity is
-//     v_n = n·(v_a - v_b),   v_t = t·(v_a - v_b) - (s_a + s_b),   t = (-n_y, n_x),
-// and an impulse changes v by ±(r_n n + r_t t)/m and s by -2 r_t/m on both sides.
+//     v_n = n·(v_a - v_b),   v_t = t·(v_a - v_b) - (s_a + s_b),   t = (-n_y, n_x).
+// With cohesion (the non-smooth Lennard-Jones law, seeds/000 §4.3) R = r_n + c, c = gamma h where the pair is bonded and
+// 0 elsewhere, takes the place of r_n in both: r_n <- max(-c, …), |r_t| <= mu (r_n + c).
+// An impulse changes v by ±(r_n n + r_t t)/m and s by -2 r_t/m on both sides.
 // Selections are written `a > b ? a : b`, alike in scalar and vector code.
 
 #include "solver/disk_batch.hpp"
@@ -188,9 +190,9 @@ NAPPE_INLINE void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, con
     b.s -= spin * b.w;
 }
 
-template <bool Mixed>
-NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu_uniform,
-                            double* u, BodyRange soon) {
+template <bool Mixed, bool Cohesive>
+NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, const CohesionBatch* cohesion,
+                            std::int64_t n, double mu_uniform, double* u, BodyRange soon) {
     constexpr int doubles_per_line = 8, lines_per_batch = 3; // of a cache; own bodies of a tile are two a batch
     constexpr int batches_ahead = 8;                         // about 200 ns: what memory takes
     Lane zero = {};
@@ -216,8 +218,12 @@ NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, std:
             const Lane v_n = nx * dvx + ny * dvy;
             const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
             const Lane wanted_n = r_n - (v_n + load(batch.bias + l)) * m;
-            const Lane new_n = wanted_n > zero ? wanted_n : zero;
-            const Lane limit = Mixed ? load(mixed[k].mu + l) * new_n : mu_uniform * new_n;
+            // zero - 0 is +0, as the plain law has it: with gamma = 0 both give the same bits.
+            const Lane most = Cohesive ? load(cohesion[k].most + l) : zero;
+            const Lane least = Cohesive ? zero - most : zero;
+            const Lane new_n = wanted_n > least ? wanted_n : least;
+            const Lane pressed = Cohesive ? new_n + most : new_n;
+            const Lane limit = Mixed ? load(mixed[k].mu + l) * pressed : mu_uniform * pressed;
             const Lane wanted_t = r_t - v_t * (m * third);
             const Lane above = wanted_t > limit ? limit : wanted_t;
             const Lane new_t = above < -limit ? -limit : above;
@@ -232,9 +238,18 @@ NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, std:
 
 void relax(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u, BodyRange soon) {
     if (mixed != nullptr) {
-        relax_all<true>(batches, mixed, n, mu, u, soon);
+        relax_all<true, false>(batches, mixed, nullptr, n, mu, u, soon);
     } else {
-        relax_all<false>(batches, mixed, n, mu, u, soon);
+        relax_all<false, false>(batches, mixed, nullptr, n, mu, u, soon);
+    }
+}
+
+void relax_cohesive(DiskBatch* batches, const FrictionBatch* mixed, const CohesionBatch* cohesion, std::int64_t n,
+                    double mu, double* u, BodyRange soon) {
+    if (mixed != nullptr) {
+        relax_all<true, true>(batches, mixed, cohesion, n, mu, u, soon);
+    } else {
+        relax_all<false, true>(batches, mixed, cohesion, n, mu, u, soon);
     }
 }
 
@@ -273,7 +288,9 @@ NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, cons
     return g;
 }
 
-std::int64_t refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h) {
+template <bool Cohesive>
+NAPPE_INLINE std::int64_t refresh_all(DiskBatch* batches, const CohesionBatch* cohesion, std::int64_t n,
+                                      const BodyArrays& bodies, double h) {
     const Lane zero = {}, one = zero + 1;
     Lane awake = {};
     for (std::int64_t k = 0; k < n; ++k) {
@@ -283,7 +300,8 @@ std::int64_t refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodie
             // DiskContacts' rule of who sleeps; padding, without any mass that moves, always does.
             const Lane slower = g.v_old < g.v ? g.v_old : g.v;
             const Lane closes = slower < zero ? -2 * h * slower : zero;
-            const Lane acts = g.gap > 0.01 * g.size + closes ? zero : (g.inv_m > zero ? one : zero);
+            const Lane near = g.gap > 0.01 * g.size + closes ? zero : (g.inv_m > zero ? one : zero);
+            const Lane acts = Cohesive ? (load(cohesion[k].most + l) > zero ? one : near) : near;
             store(batch.nx + l, g.inv_m > zero ? g.nx : zero);
             store(batch.ny + l, g.inv_m > zero ? g.ny : zero);
             store(batch.bias + l, g.gap > zero ? g.gap / h : zero);
@@ -294,6 +312,15 @@ std::int64_t refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodie
         }
     }
     return static_cast<std::int64_t>(sum_of(awake));
+}
+
+std::int64_t refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h) {
+    return refresh_all<false>(batches, nullptr, n, bodies, h);
+}
+
+std::int64_t refresh_cohesive(DiskBatch* batches, const CohesionBatch* cohesion, std::int64_t n,
+                              const BodyArrays& bodies, double h) {
+    return refresh_all<true>(batches, cohesion, n, bodies, h);
 }
 
 void gaps(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

@@ -13,7 +13,7 @@ namespace nappe {
 /// that move.
 template <int D>
 void Simulation<D>::set_margins(double h) {
-    const double most = domain_.largest_margin(r_max_);
+    const double most = largest_margin();
     const double ahead = h * scene_.tiles.lookahead;
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double v2 = 0;
@@ -28,7 +28,7 @@ void Simulation<D>::set_margins(double h) {
 /// After a grain outran its margin in this step: room for where it was going, and as much again.
 template <int D>
 void Simulation<D>::widen_margins(double h) {
-    const double most = domain_.largest_margin(r_max_);
+    const double most = largest_margin();
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double jump = 0;
         for (int d = 0; d < D; ++d) {
@@ -37,6 +37,16 @@ void Simulation<D>::widen_margins(double h) {
         }
         const double wanted = std::max(0.5 * skin_, 2 * std::sqrt(jump));
         state_.margin[i] = std::min(std::max(state_.margin[i], wanted), most);
+    }
+}
+
+/// Which law acts on each candidate, from where everything stands at the start of the step.
+template <int D>
+void Simulation<D>::find_bonds() {
+    if (contacts_.cohesive()) {
+        const auto lap = watch_.lap(Timed::geometry);
+        walls_.offset_mid = walls_.offset; // where grains are too: `predict` has not been, or a rebuild followed it
+        contacts_.find_bonds(state_, candidates_, walls_);
     }
 }
 

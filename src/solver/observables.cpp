@@ -45,7 +45,7 @@ Overlaps overlaps(const Simulation<D>& simulation) {
             const double smaller = state.radius[a] < r_b ? state.radius[a] : r_b;
             const double overlap = g.gap < 0 ? -g.gap / smaller : 0.0;
             o.largest = overlap > o.largest ? overlap : o.largest;
-            if (set.r[c].n > 0) {
+            if (set.r[c].n != 0) {
                 of_tile += overlap;
                 ++o.contacts;
             }
@@ -163,7 +163,7 @@ std::vector<FrameGrain<D>> frame_grains(const Simulation<D>& simulation) {
     const auto& comm = simulation.comm();
     std::vector<std::vector<Load>> to(static_cast<std::size_t>(comm.size()));
     for (std::size_t c = 0; c < set.a.size(); ++c) {
-        if (!(set.r[c].n > 0)) {
+        if (set.r[c].n == 0) {
             continue;
         }
         const LocalId a = set.a[c], b = set.b[c];
@@ -207,11 +207,15 @@ std::vector<FrameContact<D>> frame_contacts(const Simulation<D>& simulation) {
     const auto& state = simulation.state();
     const auto& set = simulation.candidates();
     const auto& walls = simulation.walls();
+    const double h = simulation.settings().h / simulation.settings().substeps;
     std::vector<FrameContact<D>> rows;
     for (std::size_t c = 0; c < set.a.size(); ++c) {
         const LocalId a = set.a[c], b = set.b[c];
         const auto g = contact_geometry(state, walls, a, b);
-        if (!g.applies || (set.r[c].n == 0 && g.gap > 0)) {
+        const auto* law = find_law(simulation.scene(), state.material[a], state.material[b]);
+        const bool cohesive = simulation.contacts().cohesive() && law != nullptr && law->gamma > 0;
+        const Bond bond = cohesive ? bond_at(g.gap, law->d_w) : Bond::none;
+        if (!g.applies || (set.r[c].n == 0 && g.gap > 0 && bond == Bond::none)) {
             continue;
         }
         FrameContact<D> row;
@@ -230,9 +234,12 @@ std::vector<FrameContact<D>> frame_contacts(const Simulation<D>& simulation) {
         }
         const bool wall = b >= state.n_held();
         row.wall = wall ? walls.feature(b - state.n_held()).wall : -1;
-        const auto* law = find_law(simulation.scene(), state.material[a], state.material[b]);
-        const double limit = (law != nullptr ? law->friction : 0.0) * row.r_n;
-        const auto status = !(row.r_n > 0)                                ? ContactStatus::open
+        // What friction had to hold against in the step: the bond was that of its start.
+        const bool held = cohesive && !set.bond.empty() && set.bond[c] != Bond::none;
+        const double pressed = row.r_n + (held ? h * law->gamma : 0.0);
+        const double limit = (law != nullptr ? law->friction : 0.0) * pressed;
+        row.bond = static_cast<std::int32_t>(bond);
+        const auto status = !(pressed > 0)                                ? ContactStatus::open
                             : std::sqrt(tangential) < limit * (1 - 1e-12) ? ContactStatus::stick
                                                                           : ContactStatus::slip;
         row.status = static_cast<std::int32_t>(status);

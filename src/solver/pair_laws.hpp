@@ -8,20 +8,26 @@
 
 namespace nappe {
 
-/// Friction and restitution of every pair of materials, as a table.
+/// Friction, restitution and cohesion of every pair of materials, as tables.
 struct PairLaws {
     explicit PairLaws(const Scene<2>& scene);
 
     double friction(int a, int b) const { return friction_[static_cast<std::size_t>(a * n_ + b)]; }
     double restitution(int a, int b) const { return restitution_[static_cast<std::size_t>(a * n_ + b)]; }
 
+    double gamma(int a, int b) const { return gamma_[static_cast<std::size_t>(a * n_ + b)]; } ///< [N]
+    double range(int a, int b) const {
+        return range_[static_cast<std::size_t>(a * n_ + b)];
+    } ///< d_w [m], 0 if gamma is
+
     bool uniform = true; ///< one friction coefficient serves all pairs
     double uniform_friction = 0;
     bool any_restitution = false; ///< else no approach velocity is ever computed
+    bool any_cohesion = false;    ///< else the plain law's kernels sweep
 
 private:
     int n_ = 0;
-    std::vector<double> friction_, restitution_;
+    std::vector<double> friction_, restitution_, gamma_, range_;
 };
 
 } // namespace nappe

@@ -70,6 +70,9 @@ void Simulation<D>::start_stage(int stage) {
     stage_ = stage;
     stage_steps_ = 0;
     drive_walls();
+    // Samples are prepared without cohesion, so that all strengths of it start from one.
+    contacts_.set_cohesive(!preparing);
+    state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
     set_margins(settings().h / settings().substeps);
     rebuild();
     rebuild_due_ = false;

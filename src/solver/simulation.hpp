@@ -111,12 +111,14 @@ private:
     void find_reported_tiles();
 
     void rebuild();
+    void find_bonds();
     void drive_walls();
     void rescale_impulses(double h);
     void set_margins(double h);
     void widen_margins(double h);
     bool rebalance_if_due();
     void place_walls();
+    double largest_margin() const { return domain_.largest_margin(r_max_, state_.attraction); }
     double velocity_scale(double h) const;
     [[noreturn]] void fail(std::uint32_t flags, const PackFaults& faults, double h) const;
 

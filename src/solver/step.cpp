@@ -41,6 +41,7 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
         set_margins(h);
         rebuild();
     }
+    find_bonds();
     bool activate_all = false;
     for (int attempt = 1;; ++attempt) {
         predict(h);
@@ -70,6 +71,7 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
             widen_margins(h);
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
             rebuild();
+            find_bonds();
         } else {
             ++counters_.redone_packs;
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
@@ -186,7 +188,7 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
     const auto lap = watch_.lap(Timed::check);
     std::uint32_t flags = faults.through_wall != PackFaults::none ? flag::through_wall : 0;
     const double falling = h * h * scene_.gravity.norm(); // what gravity may add in the next step
-    const double most = domain_.largest_margin(r_max_);
+    const double most = largest_margin();
     for (LocalId i = 0; i < state_.n_own; ++i) {
         // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole step, and by one
         // more.
@@ -297,8 +299,8 @@ void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h
             const double move = state_.mid[i].x[d] - state_.x[i][d] + h * state_.u[i].v[d];
             jump += move * move;
         }
-        const bool bad = (flags & flag::not_finite) != 0 ? !std::isfinite(jump)
-                                                         : !(jump < std::pow(domain_.largest_margin(r_max_), 2));
+        const bool bad =
+            (flags & flag::not_finite) != 0 ? !std::isfinite(jump) : !(jump < std::pow(largest_margin(), 2));
         if (bad && state_.id[i] < mine) {
             mine = state_.id[i];
         }
@@ -313,7 +315,7 @@ void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h
     throw NumericalFailure(
         fmt::format("grain {} would move more than {} m in {}, farther than tiles allow; take a smaller "
                     "solver.h or a larger tiles.side",
-                    who, domain_.largest_margin(r_max_), where));
+                    who, largest_margin(), where));
 }
 
 template class Simulation<2>;

@@ -83,7 +83,7 @@ inline const std::vector<BadScene> bad_scenes = {
     {"layers_count", "layers = { count = 3, from = 0, to = 4.5 }", "layers = 9", {}, "bad.toml:26: sample.layers: must be a table or an array of heights [m], found 9; write { count = 9, from = 0, to = 30 } or the tops of the layers, as in [10, 20, 30]"},
     {"layers_descending", "layers = { count = 3, from = 0, to = 4.5 }", "layers = [1, 3, 2]", {}, "bad.toml:26: sample.layers.2: must be > 3 [m], the top below, found 2; sort the tops from the lowest up"},
     {"layers_upside_down", "layers = { count = 3, from = 0, to = 4.5 }", "layers = { count = 3, from = 4.5, to = 0 }", {}, "bad.toml:26: sample.layers.to: must be > sample.layers.from = 4.5 [m], found 0; layers go upwards"},
-    {"tile_small", "side = 8", "side = 2.3", {}, "bad.toml:64: tiles.side: side must be > 2 (2 r_max + skin) = 2.34 [m], found side 2.3 with skin 0.05 and r_max 0.56; give a wider side or a smaller skin"},
+    {"tile_small", "side = 8", "side = 2.3", {}, "bad.toml:64: tiles.side: side must be > 2 (2 r_max + skin + d_w) = 2.34 [m], found side 2.3 with skin 0.05, d_w 0 and r_max 0.56; give a wider side or a smaller skin"},
     {"threshold", "threshold = 1.1", "threshold = 0.9", {}, "bad.toml:68: balance.threshold: must be >= 1, found 0.9; largest over mean load per rank; 1.01 is usual"},
     {"balance_by", R"(by = "time")", R"(by = "luck")", {}, R"(bad.toml:70: balance.by: must be "work" or "time", found "luck"; write "work" or "time")"},
     {"balance_moves", R"(moves = "always")", R"(moves = "never")", {}, R"(bad.toml:71: balance.moves: must be "when_it_pays" or "always", found "never"; write "when_it_pays" or "always")"},

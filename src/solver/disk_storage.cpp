@@ -1,0 +1,88 @@
+// Where packed contacts are kept: a tile's batches one after the other, with room for some more.
+
+#include "solver/disk_contacts.hpp"
+
+#include <algorithm>
+
+namespace nappe {
+
+/// An empty storage for these candidates, and their pairs with walls.
+void DiskContacts::lay_out(const Step& step) {
+    const auto& candidates = step.candidates;
+    const auto n_tiles = candidates.tiles.size();
+    const auto most = static_cast<std::size_t>(candidates.size()) / n_lanes + (3 + spare_batches) * n_tiles;
+    batches_.clear();
+    batches_.reserve(most); // address space: what is not used is never touched
+    source_.clear();
+    source_.reserve(most * n_lanes);
+    friction_.clear();
+    cohesion_.clear();
+    walls_.clear();
+    asleep_.resize(static_cast<std::size_t>(candidates.size()));
+    ranges_.assign(n_tiles, {});
+    last_.assign(static_cast<std::size_t>(step.state.n_held()), 0);
+    n_packed_ = 1;
+    n_active_ = 0;
+    for (std::size_t t = 0; t < n_tiles; ++t) {
+        ranges_[t].walls_begin = static_cast<std::int32_t>(walls_.size());
+        for (auto c = candidates.tiles[t].candidates_begin; c < candidates.tiles[t].candidates_end; ++c) {
+            if (candidates.b[c] >= step.state.n_held()) {
+                walls_.push_back({c, false, -1});
+            }
+        }
+        ranges_[t].candidates_begin = candidates.tiles[t].candidates_begin;
+        ranges_[t].n_candidates = candidates.tiles[t].candidates_end - candidates.tiles[t].candidates_begin;
+        ranges_[t].bodies = {4 * std::int64_t{candidates.tiles[t].grains_begin},
+                             4 * std::int64_t{candidates.tiles[t].grains_end}};
+        ranges_[t].n_walls = static_cast<std::int32_t>(walls_.size()) - ranges_[t].walls_begin;
+    }
+}
+
+/// Batches at the end of the storage for its last tile.
+void DiskContacts::grow(Range& range, std::int64_t n) {
+    range.room += n;
+    batches_.resize(static_cast<std::size_t>(range.begin + range.room));
+    source_.resize(batches_.size() * n_lanes, -1);
+    if (!laws_.uniform) {
+        friction_.resize(batches_.size());
+    }
+    if (cohesive_) {
+        cohesion_.resize(batches_.size());
+    }
+}
+
+/// Eight null contacts.
+void DiskContacts::clear(std::int64_t at, LocalId null_body) {
+    DiskBatch& batch = batches_[static_cast<std::size_t>(at)];
+    batch = {};
+    std::fill(std::begin(batch.a), std::end(batch.a), 4u * static_cast<std::uint32_t>(null_body));
+    std::fill(std::begin(batch.b), std::end(batch.b), 4u * static_cast<std::uint32_t>(null_body));
+    std::fill_n(source_.begin() + at * n_lanes, n_lanes, -1);
+    if (cohesive_) {
+        cohesion_[static_cast<std::size_t>(at)] = {};
+    }
+}
+
+void DiskContacts::store(CandidateSet<2>& candidates) const {
+    if (!fresh_) {
+        store_tiles_but(ranges_.size(), candidates);
+    }
+}
+
+void DiskContacts::store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const {
+    for (std::size_t t = 0; t < ranges_.size(); ++t) {
+        if (t != left_out) {
+            store_tile(t, candidates);
+        }
+    }
+}
+
+void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) const {
+    const auto& of = candidates.tiles[tile];
+    std::fill(candidates.r.begin() + of.candidates_begin, candidates.r.begin() + of.candidates_end, Impulse<2>{});
+    for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+        candidates.r[source_[static_cast<std::size_t>(k * n_lanes + l)]] = {batch.r_n[l], {batch.r_t[l]}};
+    });
+}
+
+} // namespace nappe
