@@ -16,8 +16,8 @@ namespace nappe {
 struct Material {
     std::string name;
     double density = 0; ///< [kg/m³] in the plane: mass per metre of depth; 0 for materials only walls are made of
-    std::optional<double> gamma; ///< [N], of its cohesive laws that give none themselves
-    std::optional<double> d_w;   ///< [m], likewise
+    std::optional<double> gamma = std::nullopt; ///< [N], of its cohesive laws that give none themselves
+    std::optional<double> d_w = std::nullopt;   ///< [m], likewise
 };
 
 /// Signorini–Coulomb with Newton restitution or with cohesion (the non-smooth Lennard-Jones law, seeds/000 §4.3), for

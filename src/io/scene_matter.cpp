@@ -222,9 +222,9 @@ void read_cohesion(const TableReader& table, const Scene<2>& scene, bool cohesiv
 
 void read_materials(const TableReader& top, Scene<2>& scene) {
     // Walls are made of this one unless they say otherwise.
-    scene.materials.push_back({"wall", 0, {}, {}});
+    scene.materials.push_back({"wall", 0});
     for (const auto& [name, table] : top.named_tables("materials", "[materials.NAME]", "write [materials.rock]")) {
-        Material material{name, 0, {}, {}};
+        Material material{name, 0};
         table.read("density", material.density,
                    positive("kg/m³", "give the mass per area, or leave it out if only walls are made of it"));
         table.read("gamma", material.gamma, gamma_rule());

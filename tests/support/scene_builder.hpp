@@ -46,6 +46,17 @@ public:
         return *this;
     }
 
+    /// The law between a and b, which must be there, attracts. @param gamma [N] @param d_w [m]
+    SceneBuilder& cohesion(int a, int b, double gamma, double d_w) {
+        for (auto& law : scene_.laws) {
+            if ((law.material_a == a && law.material_b == b) || (law.material_a == b && law.material_b == a)) {
+                law.gamma = gamma;
+                law.d_w = d_w;
+            }
+        }
+        return *this;
+    }
+
     SceneBuilder& wall(const std::string& name, std::vector<Vec<2>> points, int material = 0) {
         scene_.walls.push_back({name, material, std::move(points), {}});
         return *this;

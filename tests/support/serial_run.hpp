@@ -60,10 +60,10 @@ public:
         return row.radius * row.spin[0];
     }
 
-    /// Contacts that carried an impulse in the last step, by (lo, hi).
+    /// Contacts that carried an impulse in the last step, be it a pull, by (lo, hi).
     std::vector<FrameContact<2>> loaded_contacts() const {
         auto rows = frame_contacts(simulation_);
-        std::erase_if(rows, [](const auto& row) { return !(row.r_n > 0); });
+        std::erase_if(rows, [](const auto& row) { return row.r_n == 0; });
         std::sort(rows.begin(), rows.end(),
                   [](const auto& p, const auto& q) { return p.lo != q.lo ? p.lo < q.lo : p.hi < q.hi; });
         return rows;
