@@ -121,12 +121,39 @@ struct Cell {
     double radius = 0;              ///< [m]
 };
 
+/// What is measured on frames (docs/measures.md).
+struct MeasureSettings {
+    bool during_run = false; ///< at every frame of the run; `nappe measure` does it afterwards
+    double spacing = 0;      ///< between nodes of the grid of fields [m]; 0: 4 mean radii, no more than the range
+    double range = 0;        ///< w of the coarse-graining kernel [m]; 0: 8 mean radii, at least the spacing
+    bool energy = false;     ///< series/energy.csv gets the budget
+
+    double spacing_for(double mean_radius) const { ///< default worked out [m]
+        return spacing > 0 ? spacing : range > 0 ? std::min(4 * mean_radius, range) : 4 * mean_radius;
+    }
+    double range_for(double mean_radius) const { ///< default worked out [m]
+        return range > 0 ? range : std::max(8 * mean_radius, spacing);
+    }
+};
+
+/// Where a fault starts and what drives it: the limits of its zone are looked for.
+template <int D>
+struct FaultZone {
+    int wall = 0;                ///< index into Scene::walls: it moves with the block that is pushed
+    Vec<D> tip = Vec<D>::Zero(); ///< of the fault when loading starts [m]
+    double tolerance = 0.1;      ///< what counts as rigid and as rest, over the wall's speed
+};
+
 template <int D>
 struct Output {
     int frames_every = 0;       ///< steps of loading; 0: only the first and the last state
     int series_every = 10;      ///< steps of loading between two rows of the series
     std::vector<Cell<D>> cells; ///< sets of grains inside the circle when loading starts; at most 64
     double front_bin = 0;       ///< width of the bins of the free surface [m]; 0: four mean radii
+    MeasureSettings measures;
+    std::optional<FaultZone<D>> zone;
+
+    double bin_for(double mean_radius) const { return front_bin > 0 ? front_bin : 4 * mean_radius; } ///< [m]
 };
 
 struct TileSettings {

@@ -1,7 +1,10 @@
 // What happens to a scene and how it is computed and shown: stages, solver, tiles, balance, output.
+#include "io/scene_keys.hpp"
 #include "io/scene_sections.hpp"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace nappe::scene_file {
 
@@ -98,6 +101,49 @@ void read_cells(const TableReader& output, Output<2>& target) {
     }
 }
 
+void read_measures(const TableReader& output, MeasureSettings& measures) {
+    const auto table = output.table("measures", "output.measures", "write { during_run = true }");
+    if (!table) {
+        return;
+    }
+    table->read("during_run", measures.during_run, "true measures at every frame of the run");
+    table->read("spacing", measures.spacing, positive("m", "leave it out for four mean radii"));
+    table->read("range", measures.range, positive("m", "leave it out for eight mean radii"));
+    table->read("energy", measures.energy, "true writes the energy budget");
+    // Every grain lies within 0.71 spacings of a node; with a shorter range some would be seen by none.
+    if (measures.spacing > 0 && measures.range > 0 && measures.range < measures.spacing) {
+        table->problem("range", fmt::format("must be >= output.measures.spacing = {} [m]", measures.spacing),
+                       "raise it to two spacings, or choose a finer grid");
+    }
+}
+
+void read_zone(const TableReader& output, Scene<2>& scene) {
+    const auto table = output.table("zone", "output.zone", "write { wall = \"hanging\", tip = [75, 0] }");
+    if (!table) {
+        return;
+    }
+    FaultZone<2> zone;
+    std::string name;
+    std::vector<std::string> names;
+    for (const auto& wall : scene.walls) {
+        names.push_back(wall.name);
+    }
+    if (table->read("wall", name, "name the wall that drives the block", Need::required)) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        zone.wall = static_cast<int>(found - names.begin());
+        if (found == names.end()) {
+            const auto meant = nearest(name, names);
+            table->problem(
+                "wall",
+                fmt::format("must name a wall of the scene ({})", names.empty() ? "it has none" : listed(names)),
+                meant ? fmt::format("did you mean {}?", *meant) : "define the wall first");
+        }
+    }
+    table->read("tip", zone.tip, any_real("m", "give the fault tip when loading starts as [x, y]"), Need::required);
+    table->read("tolerance", zone.tolerance, {0, 0.5, true, "", "give the share of the wall's speed, 0.1 is usual"});
+    scene.output.zone = zone;
+}
+
 } // namespace
 
 void read_stages(const TableReader& top, Scene<2>& scene) {
@@ -167,6 +213,8 @@ void read_output(const TableReader& top, Scene<2>& scene) {
     }
     read_cells(*table, scene.output);
     table->read("front_bin", scene.output.front_bin, positive("m", "leave it out for four mean radii"));
+    read_measures(*table, scene.output.measures);
+    read_zone(*table, scene);
 }
 
 } // namespace nappe::scene_file

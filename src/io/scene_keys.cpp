@@ -25,10 +25,12 @@ const std::vector<TableKeys>& all_keys() {
         {"[solver]", {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps"}},
         {"[tiles]", {"side", "skin", "lookahead"}},
         {"[balance]", {"threshold", "every", "by", "moves"}},
-        {"[output]", {"frames", "series", "cells", "front_bin"}},
+        {"[output]", {"frames", "series", "cells", "front_bin", "measures", "zone"}},
         {"output.frames", {"every"}},
         {"output.series", {"every"}},
         {"output.cells", {"name", "centre", "radius"}},
+        {"output.measures", {"during_run", "spacing", "range", "energy"}},
+        {"output.zone", {"wall", "tip", "tolerance"}},
     };
     return keys;
 }

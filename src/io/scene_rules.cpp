@@ -252,6 +252,16 @@ void check_extent(const Scene<2>& scene, const Radii& radii, Problems& problems)
     }
 }
 
+void check_zone(const Scene<2>& scene, Problems& problems) {
+    const auto& zone = scene.output.zone;
+    if (zone && !scene.walls[static_cast<std::size_t>(zone->wall)].motion) {
+        problems.add("output.zone.wall",
+                     fmt::format("must be a wall with a motion, found \"{}\"; limits are sought against the speed of "
+                                 "the wall that drives",
+                                 scene.walls[static_cast<std::size_t>(zone->wall)].name));
+    }
+}
+
 } // namespace
 
 void check_rules(const Scene<2>& scene, Problems& problems) {
@@ -268,6 +278,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
         check_profile_is_free(scene, problems);
     }
     check_single_grains(scene, problems);
+    check_zone(scene, problems);
 }
 
 } // namespace nappe::scene_file

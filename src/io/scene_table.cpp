@@ -17,7 +17,7 @@ namespace {
 std::string words(const RealRule& rule) {
     std::string text = "must be a finite number";
     if (rule.max < no_limit) {
-        text = fmt::format("must lie in [{}, {}]", rule.min, rule.max);
+        text = fmt::format("must lie in {}{}, {}]", rule.above_min ? "(" : "[", rule.min, rule.max);
     } else if (rule.min > -no_limit) {
         text = fmt::format("must be {} {}", rule.above_min ? ">" : ">=", rule.min);
     }
@@ -183,6 +183,19 @@ bool TableReader::read(std::string_view key, int& target, const IntegerRule& rul
         target = static_cast<int>(value);
     }
     return good;
+}
+
+bool TableReader::read(std::string_view key, bool& target, std::string_view remedy) const {
+    if (!has(key)) {
+        return false;
+    }
+    const auto* value = find(key)->as_boolean();
+    if (value == nullptr) {
+        problem(key, "must be true or false", remedy);
+        return false;
+    }
+    target = value->get();
+    return true;
 }
 
 bool TableReader::read(std::string_view key, std::string& target, std::string_view remedy, Need need) const {

@@ -86,6 +86,7 @@ public:
     bool read(std::string_view key, int& target, const IntegerRule& rule, Need need = Need::optional) const;
     bool read(std::string_view key, std::int64_t& target, const IntegerRule& rule, Need need = Need::optional) const;
     bool read(std::string_view key, std::string& target, std::string_view remedy, Need need = Need::optional) const;
+    bool read(std::string_view key, bool& target, std::string_view remedy) const;
     bool read(std::string_view key, Vec<2>& target, const RealRule& rule, Need need = Need::optional) const;
     bool read(std::string_view key, std::vector<double>& target, const RealRule& rule) const;
     bool read(std::string_view key, std::vector<Vec<2>>& target, const RealRule& rule, Need need) const;

@@ -81,6 +81,8 @@ frames = { every = 40 }
 series = { every = 5 }
 cells = [{ name = "W1", centre = [3, 3], radius = 2 }, { name = "W2", centre = [9, 2], radius = 1.5 }]
 front_bin = 1.5
+measures = { during_run = true, spacing = 2, range = 4, energy = true }
+zone = { wall = "piston", tip = [6, 0.5], tolerance = 0.2 }
 )";
 
 } // namespace nappe::test

@@ -78,6 +78,11 @@ std::string fields(const Scene<2>& scene) {
     }
     const auto& o = scene.output;
     text += fmt::format("output {} {} {:a}", o.frames_every, o.series_every, o.front_bin);
+    text += fmt::format(" measures {} {:a} {:a} {}", o.measures.during_run, o.measures.spacing, o.measures.range,
+                        o.measures.energy);
+    if (o.zone) {
+        text += fmt::format(" zone {} {} {:a}", o.zone->wall, shown(o.zone->tip), o.zone->tolerance);
+    }
     for (const auto& c : o.cells) {
         text += fmt::format(" cell {} {} {:a}", c.name, shown(c.centre), c.radius);
     }
@@ -131,7 +136,7 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
     settling.h = 0.01;
     settling.sweeps = 300;
     expected.stages = {{"settle", SettleCriterion{1e-7, 1e-3, 50}, 0, settling}, {"push", std::nullopt, 10, base}};
-    expected.output = {40, 5, {{"W1", {3, 3}, 2}, {"W2", {9, 2}, 1.5}}, 1.5};
+    expected.output = {40, 5, {{"W1", {3, 3}, 2}, {"W2", {9, 2}, 1.5}}, 1.5, {true, 2, 4, true}, {{1, {6, 0.5}, 0.2}}};
     expected.tiles = {8, 0.05, 4};
     expected.balance = {1.1, 100, BalanceSettings::By::time, BalanceSettings::Moves::always};
     EXPECT_EQ(fields(scene), fields(expected));
