@@ -93,9 +93,10 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
         fmt::format_to(out, "wall       {}: {}\n", wall.name, wall_text(scene, wall));
     }
     for (const auto& law : scene.laws) {
-        fmt::format_to(out, "law        {} - {}: frictional, friction {}, restitution {}\n",
+        fmt::format_to(out, "law        {} - {}: frictional, friction {}, restitution {}{}\n",
                        scene.materials[static_cast<std::size_t>(law.material_a)].name,
-                       scene.materials[static_cast<std::size_t>(law.material_b)].name, law.friction, law.restitution);
+                       scene.materials[static_cast<std::size_t>(law.material_b)].name, law.friction, law.restitution,
+                       law.gamma > 0 ? fmt::format(", cohesion of {} N up to a gap of {} m", law.gamma, law.d_w) : "");
     }
     for (const auto& stage : scene.stages) {
         fmt::format_to(out, "stage      {}: {}; {}\n", stage.name, stage_text(stage), solver_text(stage.solver));

@@ -128,12 +128,13 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     Progress progress(Progress::for_rank(comm.is_root()));
     Simulation<2> simulation(comm, scene, kernels);
     progress.info(fmt::format(
-        "{}: {} ranks, disks in the plane, {} friction, {} restitution, {} kernel, {} B per grain, {} B per "
+        "{}: {} ranks, disks in the plane, {} friction, {} restitution, {} cohesion, {} kernel, {} B per grain, {} B "
+        "per "
         "contact",
         scene.title, comm.size(), scene.laws.empty() ? "no" : "Coulomb",
         std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& l) { return l.restitution > 0; }) ? "Newton"
                                                                                                            : "no",
-        kernels.name, State<2>::bytes_per_grain(),
+        largest_range(scene) > 0 ? "Lennard-Jones" : "no", kernels.name, State<2>::bytes_per_grain(),
         simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate()));
     Preparation preparation;
     try {

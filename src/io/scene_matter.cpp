@@ -186,7 +186,7 @@ bool from_materials(const TableReader& table, std::string_view key, const std::o
     }
     if (!of_a && !of_b) {
         table.problem(key, "must be given in a cohesive law, or by one of its materials",
-                      "or write type = \"frictional\"");
+                      "give it, or write type = \"frictional\"");
         return false;
     }
     target = of_a ? *of_a : *of_b;

@@ -100,6 +100,14 @@ class SameBits(NappeTest):
             if n > 1:
                 self.assertGreater(run.summary["rebalanced"], 0, "no tile moved: the case is too easy")
 
+    def test_cohesion_and_a_plate_that_leaves_another(self):
+        for _, run in self.runs(SCENES / "small_fault.toml", (2, 3, 5, 7)):
+            with h5py.File(run.out / "frames/frame-00000120.hdf") as file:
+                bond, r_n = file["contacts/bond"][()], file["contacts/r_n"][()]
+            self.assertLessEqual({1, 2}, set(bond), "a state of the graph was not met")
+            self.assertLess(r_n.min(), 0, "nothing pulls: the case is too easy")
+            self.assertGreater(run.summary["rebuilds"], 5)
+
     def test_fewer_tiles_than_ranks(self):
         for n, run in self.runs(FOLD, (2, 3, 5, 7), *sets(tiles__side=30)):
             last = owners(run.out / "frames/frame-00000060.hdf")

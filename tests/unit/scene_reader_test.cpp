@@ -37,10 +37,12 @@ std::string fields(const Scene<2>& scene) {
     std::string text =
         fmt::format("title {} gravity {} origin {}\n", scene.title, shown(scene.gravity), shown(scene.origin));
     for (const auto& m : scene.materials) {
-        text += fmt::format("material {} {:a}\n", m.name, m.density);
+        text +=
+            fmt::format("material {} {:a} {:a} {:a}\n", m.name, m.density, m.gamma.value_or(-1), m.d_w.value_or(-1));
     }
     for (const auto& l : scene.laws) {
-        text += fmt::format("law {} {} {:a} {:a}\n", l.material_a, l.material_b, l.friction, l.restitution);
+        text += fmt::format("law {} {} {:a} {:a} {:a} {:a}\n", l.material_a, l.material_b, l.friction, l.restitution,
+                            l.gamma, l.d_w);
     }
     if (scene.sample) {
         const auto& s = *scene.sample;
@@ -345,6 +347,24 @@ TEST(scene_reader, the_example_of_the_docs_is_sound) {
     ASSERT_NE(start, std::string::npos);
     const auto end = text.find("```\n", start + 8);
     EXPECT_EQ(error_of(text.substr(start + 8, end - start - 8)), "accepted");
+}
+
+TEST(SceneReader, CohesionOfALawOrElseOfItsMaterials) {
+    const auto law = [](const std::vector<std::string>& overrides, std::size_t k) {
+        return parse_scene(sound_scene, "sound.toml", overrides).laws[k];
+    };
+    const std::vector<std::string> of_rock = {"materials.rock.gamma=1e3", "materials.rock.d_w=0.01",
+                                              "laws.0.type=cohesive", "laws.2.type=cohesive"};
+    EXPECT_EQ(law(of_rock, 0).gamma, 1e3);
+    EXPECT_EQ(law(of_rock, 0).d_w, 0.01);
+    EXPECT_EQ(law(of_rock, 2).gamma, 1e3) << "with walls too, which say nothing themselves";
+    EXPECT_EQ(law(of_rock, 1).gamma, 0) << "a frictional law has none, whatever its materials say";
+    auto own = of_rock;
+    own.insert(own.end(), {"laws.2.gamma=5", "laws.2.d_w=0.5"});
+    EXPECT_EQ(law(own, 2).gamma, 5);
+    EXPECT_EQ(law(own, 2).range(), 0.5);
+    own.push_back("laws.2.gamma=0");
+    EXPECT_EQ(law(own, 2).range(), 0) << "without an attraction there is no range";
 }
 
 } // namespace
