@@ -349,7 +349,7 @@ TEST(scene_reader, the_example_of_the_docs_is_sound) {
     EXPECT_EQ(error_of(text.substr(start + 8, end - start - 8)), "accepted");
 }
 
-TEST(SceneReader, CohesionOfALawOrElseOfItsMaterials) {
+TEST(scene_reader, cohesion_of_a_law_or_else_of_its_materials) {
     const auto law = [](const std::vector<std::string>& overrides, std::size_t k) {
         return parse_scene(sound_scene, "sound.toml", overrides).laws[k];
     };
