@@ -159,11 +159,21 @@ TEST(Cohesion, WithinTheRangeThePullIsGammaAndNothingOutsideIt) {
     Pair away(0.0101, 0, 1e3);
     EXPECT_EQ(away.next(), Bond::none);
     EXPECT_EQ(away.r_n(), 0);
+    Pair far(0.4, 0, 1e3, 0.5); // the lists' own reach ends at 0.3
+    EXPECT_EQ(far.next(), Bond::cohesive);
     Pair lost(0.0099, 0.5, 1e3); // leaves in the first step, with the pull of that step
     EXPECT_EQ(lost.next(), Bond::cohesive);
     EXPECT_DOUBLE_EQ(lost.r_n(), -1e3 * h);
     EXPECT_EQ(lost.next(), Bond::none);
     EXPECT_EQ(lost.r_n(), 0) << "a warm start must not hand on a pull that is over";
+}
+
+TEST(Cohesion, ListsReachWallsToo) {
+    SceneBuilder scene = hanging_column(1, 0, 1.5 * weight, 0.75);
+    scene.scene().grains[0].position[1] -= 0.7; // lists reach 0.3, and half of d_w from either side
+    SerialRun run(scene.scene());
+    run.steps(1);
+    EXPECT_NEAR(run.grain(0).v[1], 0.5 * g * h, 1e-12) << "drawn up by half its weight";
 }
 
 TEST(Cohesion, ABondHoldsFrictionWithoutPressure) {
