@@ -66,9 +66,10 @@ def at_least_one(text):
 
 def parser_of():
     common = argparse.ArgumentParser(add_help=False)
-    common.add_argument("--out", type=Path, metavar="DIR", default=Path("out/fault-study"), help="(out/fault-study)")
-    common.add_argument("--nappe", type=Path, metavar="PATH", default=Path("build/release/nappe"), help="(build/release/nappe)")
-    common.add_argument("--scene", type=Path, metavar="FILE", default=plan.SCENE, help="that the runs vary (jobs/fault.toml)")
+    files = {"type": Path, "metavar": "PATH"}
+    common.add_argument("--out", **files, default=Path("out/fault-study"), help="of the runs (out/fault-study)")
+    common.add_argument("--nappe", **files, default=Path("build/release/nappe"), help="(build/release/nappe)")
+    common.add_argument("--scene", **files, default=plan.SCENE, help="which the runs vary (jobs/fault.toml)")
     common.add_argument("--only", metavar="PATTERN", help="runs whose name matches: 'theta30-h15-*'")
     common.add_argument("--index", type=int, metavar="N", help="only the runs of sample N (the number in `list`)")
     common.add_argument("--quick", action="store_true", help="eight small short runs instead, to try the tool")
