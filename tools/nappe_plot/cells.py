@@ -1,4 +1,4 @@
-"""What becomes of the cells (Fig. 8): their grains at the chosen times, a column per cell, a row per time."""
+"""What becomes of the cells (Figs. 8 and 16): their grains at the chosen times, or in several runs."""
 
 import matplotlib.pyplot as plt
 from matplotlib.patheffects import withStroke
@@ -32,42 +32,75 @@ def _scale_bar(axis, window, length):
     axis.text(left, bottom + 0.025 * side, f"{length:g} m", fontsize=11, ha="left", va="bottom", path_effects=halo)
 
 
-def draw(run, chosen, out):
-    """cells.png. The stretches are those of eq. 11: extent of the centres over that of the first frame."""
+def _of(run):
+    """(number, name) of the cells with enough grains to have an extent."""
     first = run.frame(0)
-    cells = [(k, name) for k, name in enumerate(run.cell_names) if first.members(k).sum() > 1]
-    if not cells:
-        return
-    frames = [run.frame(k) for k in chosen]
-    n_rows, n_columns = len(frames), len(cells)
-    side = min(2.55, (style.WIDE - 1.3) / n_columns)
+    return [(k, name) for k, name in enumerate(run.cell_names) if first.members(k).sum() > 1]
+
+
+def _axes(n_rows, n_columns):
+    side = min(2.55 if n_rows > 1 else 3.4, (style.WIDE - 1.3) / n_columns)
     width, height = 1.2 + n_columns * side, 0.75 + n_rows * (side + 0.38)
     figure, axes = plt.subplots(n_rows, n_columns, figsize=(width, height), squeeze=False)
     figure.subplots_adjust(
         left=1.1 / width, right=1 - 0.1 / width, top=1 - 0.45 / height, bottom=0.42 / height, wspace=0.04, hspace=0.16
     )
+    return figure, axes
+
+
+def _bar_of(frame, cell):
+    """Length of the scale bar [m] that suits the cell in this frame."""
+    mask = frame.members(cell)
+    window = _window(frame.x[mask], frame.radius[mask])
+    return next(m for m in BARS if m <= 0.3 * (window.x[1] - window.x[0]))
+
+
+def _panel(axis, run, frame, cell, bar):
+    """The cell's grains, and the stretches of eq. 11: extent of the centres over that of the first frame."""
+    mask = frame.members(cell)
+    window = _window(frame.x[mask], frame.radius[mask])
+    grains.draw(axis, frame, grains.shades(frame, run.n_bed), window, edge=0.3, mask=mask)
+    window.apply(axis)
+    _scale_bar(axis, window, bar)
+    axis.set_xticks([])
+    axis.set_yticks([])
+    for spine in axis.spines.values():
+        spine.set(visible=True, color="#cccccc")
+    first = run.frame(0)
+    stretch = _extent(frame.x[mask]) / _extent(first.x[first.members(cell)])
+    axis.set_xlabel(rf"$\lambda_x$ = {stretch[0]:.2f}   $\lambda_y$ = {stretch[1]:.2f}", fontsize=12, labelpad=3)
+
+
+def draw(run, chosen, out):
+    """cells.png."""
+    cells = _of(run)
+    if not cells:
+        return
+    frames = [run.frame(k) for k in chosen]
+    figure, axes = _axes(len(frames), len(cells))
     for column, (cell, name) in enumerate(cells):
-        colour = palette.LINES[cell % len(palette.LINES)]
-        at_first = _extent(first.x[first.members(cell)])
-        mask = first.members(cell)
-        first_window = _window(first.x[mask], first.radius[mask])
-        bar = next(m for m in BARS if m <= 0.3 * (first_window.x[1] - first_window.x[0]))
-        for row, frame in enumerate(frames):
-            axis = axes[row, column]
-            mask = frame.members(cell)
-            window = _window(frame.x[mask], frame.radius[mask])
-            grains.draw(axis, frame, grains.shades(frame, run.n_bed), window, edge=0.3, mask=mask)
-            window.apply(axis)
-            _scale_bar(axis, window, bar)
-            axis.set_xticks([])
-            axis.set_yticks([])
-            for spine in axis.spines.values():
-                spine.set(visible=True, color="#cccccc")
-            stretch = _extent(frame.x[mask]) / at_first
-            text = rf"$\lambda_x$ = {stretch[0]:.2f}   $\lambda_y$ = {stretch[1]:.2f}"
-            axis.set_xlabel(text, fontsize=12, labelpad=3)
-            if row == 0:
-                axis.set_title(name, color=colour, fontweight="bold")
-            if column == 0:
-                axis.set_ylabel(f"t = {style.seconds(frame.time)}", labelpad=8)
+        bar = _bar_of(run.frame(0), cell)
+        for axis, frame in zip(axes[:, column], frames):
+            _panel(axis, run, frame, cell, bar)
+        axes[0, column].set_title(name, color=palette.LINES[cell % len(palette.LINES)], fontweight="bold")
+    for axis, frame in zip(axes[:, 0], frames):
+        axis.set_ylabel(f"t = {style.seconds(frame.time)}", labelpad=8)
+    yield style.save(figure, out / "cells.png", 220)
+
+
+def draw_compared(views, out):
+    """cells.png of several runs (Fig. 16): a row per cell, as it lay at the start and as it is in each run."""
+    cells = _of(views[0].run)
+    if not cells or any(_of(view.run) != cells for view in views):
+        return
+    figure, axes = _axes(len(cells), 1 + len(views))
+    for row, (cell, name) in zip(axes, cells):
+        bar = _bar_of(views[0].run.frame(0), cell)
+        _panel(row[0], views[0].run, views[0].run.frame(0), cell, bar)
+        for axis, view in zip(row[1:], views):
+            _panel(axis, view.run, view.frame, cell, bar)
+        row[0].set_ylabel(name, labelpad=8, fontweight="bold")
+    axes[0, 0].set_title("at the start")
+    for k, view in enumerate(views):
+        axes[0, 1 + k].set_title(view.label, color=palette.LINES[k % len(palette.LINES)])
     yield style.save(figure, out / "cells.png", 220)

@@ -5,6 +5,9 @@ import numpy as np
 
 from . import palette, style
 
+STRESSES = [("p", "pressure p"), ("q", "deviatoric stress q")]
+STRETCHES = [("lambda_x", r"stretch $\lambda_x$"), ("lambda_y", r"stretch $\lambda_y$")]
+MANY_ROWS = 200  # from here on a line is smoothed
 SMOOTHED = "bold: mean over 1 % of the run; pale: as stored"
 
 
@@ -29,34 +32,33 @@ def _per_cell(run, quantities, out, unit_of=lambda values: (1.0, "")):
         for k, (name, cell) in enumerate(series.items()):
             colour = palette.LINES[k % len(palette.LINES)]
             values = cell[column] / scale
-            if len(values) >= 200:
+            if len(values) >= MANY_ROWS:
                 axis.plot(cell["time"], values, color=colour, linewidth=0.8, alpha=0.3)
             axis.plot(cell["time"], running_mean(values), color=colour, label=name, zorder=3)
         axis.set_xlabel("time [s]")
         axis.set_ylabel(label + unit)
         axis.margins(x=0.01)
     axes[1].legend(loc="center left", bbox_to_anchor=(1.01, 0.5))
-    if max(len(cell["time"]) for cell in series.values()) >= 200:
+    if max(len(cell["time"]) for cell in series.values()) >= MANY_ROWS:
         figure.text(0.995, 0.005, SMOOTHED, ha="right", va="bottom", fontsize=10, color=palette.MUTED)
     return style.save(figure, out, style.DPI_CURVES)
 
 
-def _pascals(values):
+def pascals(values):
     largest = np.nanmax(abs(values))
     return (1e6, " [MPa]") if largest >= 1e6 else (1e3, " [kPa]")
 
 
 def draw_stress(run, chosen, out):
     """stress.png: mean and deviatoric stress of each cell."""
-    path = _per_cell(run, [("p", "pressure p"), ("q", "deviatoric stress q")], out / "stress.png", _pascals)
+    path = _per_cell(run, STRESSES, out / "stress.png", pascals)
     if path:
         yield path
 
 
 def draw_lambda(run, chosen, out):
     """lambda.png: stretch of each cell along x and y."""
-    labels = [("lambda_x", r"stretch $\lambda_x$"), ("lambda_y", r"stretch $\lambda_y$")]
-    path = _per_cell(run, labels, out / "lambda.png")
+    path = _per_cell(run, STRETCHES, out / "lambda.png")
     if path:
         yield path
 

@@ -9,11 +9,10 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 
+from . import fields
+from .errors import BadRun
+
 WALL_KEY = 1 << 62  # partners of a contact from here on are walls
-
-
-class BadRun(Exception):
-    """The folder is no run, or a file in it is not what it should be."""
 
 
 class Frame:
@@ -87,6 +86,12 @@ class Run:
             self._frames[index] = Frame(self.frame_paths[index])
         return self._frames[index]
 
+    def field(self, index):
+        """The fields measured at frame `index`, or None."""
+        name = self.frame_paths[index].name.replace("frame-", "fields-")
+        path = self.folder / "measures" / "fields" / name
+        return fields.read(path) if path.exists() else None
+
     def choose(self, wanted=None):
         """Indices of the frames nearest the times [s]; by default the first, those at 40 and 70 %, the last."""
         first, last = self.times[0], self.times[-1]
@@ -96,7 +101,13 @@ class Run:
 
     def series(self, name):
         """Columns of series/NAME.csv as arrays, or None if the run has no such series or no row in it yet."""
-        path = self.folder / "series" / f"{name}.csv"
+        return self._table(self.folder / "series" / f"{name}.csv")
+
+    def measured(self, name):
+        """The same of measures/NAME.csv."""
+        return self._table(self.folder / "measures" / f"{name}.csv")
+
+    def _table(self, path):
         if not path.exists():
             return None
         with path.open(newline="") as file:
@@ -130,6 +141,12 @@ class Run:
             return float(self.summary["h"])
         solver = dict(self.scene.get("solver", {}))
         return float(solver.get("h", 1.0)) / float(solver.get("substeps", 1))
+
+    @property
+    def gamma(self):
+        """Largest cohesion [N] of the scene's materials and laws; None if neither says any."""
+        bodies = [*self.scene.get("materials", {}).values(), *self.scene.get("laws", [])]
+        return max((float(body["gamma"]) for body in bodies if "gamma" in body), default=None)
 
     def moving_wall(self):
         """Name and series of the wall that travels farthest, or (None, None)."""

@@ -20,7 +20,8 @@ def _log(axis, series, columns, title, label):
     axis.set(title=title, ylabel=label)
 
 
-def _joules(values):
+def joules(values):
+    """Size [J] and name of the unit that suits all of these series of energies."""
     largest = max(np.nanmax(abs(v)) for v in values)
     return next((size, unit) for size, unit in ENERGY_UNITS if largest >= size or size == 1.0)
 
@@ -37,7 +38,7 @@ def draw(run, chosen, out):
     _log(axes[0, 1], solver, overlaps, "Overlap of grains", "overlap / radius")
     if energy is not None:
         change = energy["potential"] - energy["potential"][0]
-        scale, unit = _joules([change, energy["wall_work"]])
+        scale, unit = joules([change, energy["wall_work"]])
         axes[1, 0].plot(energy["time"], energy["wall_work"] / scale, color=palette.LINES[0], label="work of the walls")
         axes[1, 0].plot(energy["time"], change / scale, color=palette.LINES[1], label="potential energy gained")
         axes[1, 0].plot(energy["time"], energy["kinetic"] / scale, color=palette.LINES[2], label="kinetic energy")

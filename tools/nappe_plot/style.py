@@ -11,6 +11,7 @@ WIDE = 16.0  # inches: a picture of the whole length
 PLOT = (11.0, 7.0)  # inches: curves
 DPI_GRAINS = 300  # the 1000 m fold then has 4.5 pixels a metre, enough to see its grains
 DPI_CHAINS = 200  # zoomed already
+DPI_FIELDS = 150
 DPI_CURVES = 160
 
 
