@@ -1,11 +1,13 @@
-"""The fault of a scene (output.zone) and what was measured of its zone: lines for the pictures, and the trishear model."""
+"""The fault of a scene (output.zone) and its zone as measured: lines for the pictures, and the trishear model."""
 
 import numpy as np
+from matplotlib.patheffects import Normal, withStroke
 
 from . import palette
 
-FAULT_LINE = {"color": palette.INK, "linewidth": 2.0, "solid_capstyle": "butt", "zorder": 5}
-LIMIT_LINE = {"color": palette.INK, "linewidth": 2.0, "linestyle": (0, (5, 3)), "zorder": 5}
+HALO = [withStroke(linewidth=4.5, foreground="white", alpha=0.85), Normal()]  # readable on dark and pale layers
+FAULT_LINE = {"color": palette.INK, "linewidth": 2.0, "solid_capstyle": "butt", "zorder": 5, "path_effects": HALO}
+LIMIT_LINE = {**FAULT_LINE, "linestyle": (0, (5, 3)), "dash_capstyle": "butt"}
 
 
 class Fault:
@@ -29,7 +31,7 @@ def of(run):
         return None
     walls = {wall.get("name"): wall for wall in run.scene.get("walls", [])}
     velocity = walls.get(zone.get("wall"), {}).get("motion", {}).get("velocity")
-    return Fault(zone["tip"], velocity) if velocity and np.hypot(*velocity) > 0 else None
+    return Fault(zone["tip"], velocity) if velocity and velocity[1] != 0 else None
 
 
 def row_at(table, time):
@@ -48,8 +50,10 @@ def limits(fault, zone):
 
 
 def draw_marks(axis, run, frame, top=None):
-    """As in the paper's Figs. 12 and 13: the fault's direction as a line, the zone's limits dashed, an arrow at the front
-    of the free surface. What was not measured is left out."""
+    """As in the paper's Figs. 12 and 13: the fault's direction as a line, the zone's limits dashed, an arrow at the front.
+
+    What was not measured is left out.
+    """
     fault = of(run)
     if fault is None:
         return
@@ -71,9 +75,9 @@ def draw_marks(axis, run, frame, top=None):
 def trishear(fault, zone, x, y):
     """Velocity (…, 2) of the fitted trishear field (Zehnder and Allmendinger 2000, eq. 6) at the points (x, y).
 
-    The apex is that of the fit, x along the fault from there on: half the apical angle has the tangent m. Inside
-    |y| < m x: v_x = (v0/2) [sgn(y) (|y|/(m x))^(1/s) + 1], v_y = (v0/2) (m/(1 + s)) [(|y|/(m x))^((1 + s)/s) - 1]; above
-    it (v0, 0), below it rest.
+    From the fit's apex on, x along the fault and y across it; m is the tangent of half the apical angle. Inside, where
+    |y| < m x: v_x = (v0/2) [sgn(y) (|y|/(m x))^(1/s) + 1] and v_y = (v0/2) (m/(1 + s)) [(|y|/(m x))^((1 + s)/s) - 1].
+    Above it is (v0, 0), below it rest.
     """
     dx, dy = x - zone["trishear_x"], y - zone["trishear_y"]
     along = fault.along[0] * dx + fault.along[1] * dy

@@ -8,11 +8,13 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from . import fault, grains, style
 from .views import zoomed
 
-SPEEDS = LinearSegmentedColormap.from_list("speeds", ["#f7fbff", "#c6dbef", "#6baed6", "#2171b5", "#08306b"])
-STRAINS = LinearSegmentedColormap.from_list("strains", ["#fffdf5", "#fdd49e", "#ef6548", "#990000", "#3a0008"])
-MISFITS = LinearSegmentedColormap.from_list("misfits", ["#ffffff", "#d9d2e9", "#8e7cc3", "#3c1a78"])
+# Up to the wall's speed (0.8 of the scale) pale enough for arrows on it; darker where the flow is faster than the wall.
+SPEEDS = LinearSegmentedColormap.from_list(
+    "speeds", [(0, "#eef2f5"), (0.4, "#bad5e8"), (0.8, "#6aa6cf"), (1, "#0b3a72")]
+)
+STRAINS = LinearSegmentedColormap.from_list("strains", ["#f8f6ee", "#fdd49e", "#ef6548", "#990000", "#3a0008"])
+MISFITS = LinearSegmentedColormap.from_list("misfits", ["#f6f5f9", "#d9d2e9", "#8e7cc3", "#3c1a78"])
 ARROWS_ACROSS = 44
-TALL = 2.6  # a panel longer than this times its height has the next one below it, not beside it
 
 
 def _speed(run):
@@ -103,7 +105,7 @@ def draw_velocity(views, out):
         )
         _finish(axis, view, window)
         axis.set_title(view.label, loc="left")
-    _bar(figure, axes[0, 0], norm, SPEEDS, "speed / speed of the wall; the longest arrows are as fast", "max")
+    _bar(figure, axes[0, 0], norm, SPEEDS, "speed / speed of the wall", "max")
     yield style.save(figure, out / "velocity.png", style.DPI_FIELDS)
 
 

@@ -2,7 +2,7 @@
 
 # Layers from the bottom up, like a sandbox of coloured sands: dark and pale take turns, so that folds read by lightness
 # alone, in grey print and to a colour-blind eye; the hues in between tell the layers apart.
-BED = ["#5a3524", "#ecca8d", "#a63d2a", "#f4e6cb", "#2e5a78", "#e2a83c", "#74301f", "#f0dcb4", "#2f7a74"]
+BED = ["#5a3524", "#ecca8d", "#a63d2a", "#f4e6cb", "#2e5a78", "#e2a83c", "#74301f", "#f0dcb4", "#2f7a74", "#cdbfdc"]
 ABOVE_BED = "#a39e96"  # the wedge: no sand of the bed is grey
 
 # Okabe and Ito's colours, told apart in every common form of colour blindness; the yellow is too pale for a line.
