@@ -31,8 +31,7 @@ def write_table(path, columns, rows):
 
 
 def zone_values(theta, tip, half_angle=HALF_ANGLE, s=CONCENTRATION, residual=0.0):
-    """Of a trishear zone of a fault that dips by theta [rad]: both limits leave the tip, half the apical angle apart from
-    the fault."""
+    """Of a trishear zone of a fault that dips by theta [rad]: both limits leave the tip, the fault midway between."""
     left, right = theta + half_angle, theta - half_angle
     return {
         "left_x": tip[0], "left_angle": left, "left_residual": 0.0, "left_points": 9,

@@ -50,7 +50,7 @@ def limits(fault, zone):
 
 
 def draw_marks(axis, run, frame, top=None):
-    """As in the paper's Figs. 12 and 13: the fault's direction as a line, the zone's limits dashed, an arrow at the front.
+    """As in the paper's Figs. 12 and 13: the fault's direction, the zone's limits dashed, an arrow at the front.
 
     What was not measured is left out.
     """

@@ -1,6 +1,5 @@
 """Reads the folder that `nappe run` leaves: frames, series, summary."""
 
-import csv
 import json
 import tomllib
 from pathlib import Path
@@ -9,7 +8,7 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 
-from . import fields
+from . import fields, tables
 from .errors import BadRun
 
 WALL_KEY = 1 << 62  # partners of a contact from here on are walls
@@ -101,22 +100,11 @@ class Run:
 
     def series(self, name):
         """Columns of series/NAME.csv as arrays, or None if the run has no such series or no row in it yet."""
-        return self._table(self.folder / "series" / f"{name}.csv")
+        return tables.read(self.folder / "series" / f"{name}.csv")
 
     def measured(self, name):
         """The same of measures/NAME.csv."""
-        return self._table(self.folder / "measures" / f"{name}.csv")
-
-    def _table(self, path):
-        if not path.exists():
-            return None
-        with path.open(newline="") as file:
-            rows = list(csv.reader(file))
-        if len(rows) < 2:
-            return None
-        complete = [row for row in rows[1:] if len(row) == len(rows[0])]  # a run under way may be writing the last one
-        numbers = np.array([[float(value) if value else np.nan for value in row] for row in complete])
-        return {name.strip(): numbers[:, column] for column, name in enumerate(rows[0])}
+        return tables.read(self.folder / "measures" / f"{name}.csv")
 
     def series_names(self, prefix):
         """NAME of each series/PREFIX-NAME.csv, in alphabetical order."""

@@ -3,10 +3,12 @@
 import argparse
 import fnmatch
 import shlex
+import signal
 import sys
 from pathlib import Path
 
-from . import plan, runner
+from . import plan, report, results
+from .scheduler import Scheduler, Task
 
 STOPPED_EARLY = 3  # exit code, as that of nappe
 
@@ -29,33 +31,73 @@ def chosen_runs(arguments):
 
 
 def list_runs(arguments):
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `list | head` is no error
     for run in chosen_runs(arguments):
-        done = "done" if runner.is_done(run, arguments.out) else "to do"
+        done = "done" if results.is_done(run, arguments.out) else "to do"
         command = run.command(arguments.nappe, arguments.out, arguments.scene)
         print(f"# {run.sample} {run.name}: {done}\n{shlex.join(command)}")
     return 0
 
 
+def run_task(run, arguments):
+    """What an earlier attempt left must not pass for the first frame or the summary of this one."""
+    folder = arguments.out / run.name
+    first_frame = folder / "frames" / "frame-00000000.hdf"  # is written when the settled sample has been stored
+    return Task(
+        run.name,
+        run.command(arguments.nappe, arguments.out, arguments.scene),
+        arguments.out / "logs" / f"{run.name}.log",
+        lambda: results.is_done(run, arguments.out),
+        stale=(first_frame, folder / "summary.json"),
+        group=run.sample,
+        ready=first_frame,
+    )
+
+
+def measure_task(run, arguments):
+    return Task(
+        run.name,
+        [str(arguments.nappe), "measure", str(arguments.out / run.name)],
+        arguments.out / "logs" / f"{run.name}-measure.log",
+        lambda: results.is_measured(run, arguments.out),
+    )
+
+
 def run_all(arguments):
     runs = chosen_runs(arguments)
-    missing = [run for run in runs if not runner.is_done(run, arguments.out)]
+    missing = [run for run in runs if not results.is_done(run, arguments.out)]
     print(f"{len(runs) - len(missing)} of {len(runs)} runs are done", flush=True)
-
-    def command_of(run):
-        return run.command(arguments.nappe, arguments.out, arguments.scene)
-
-    return finish(runner.Scheduler(missing, arguments.jobs, arguments.out, command_of))
+    return work_off([run_task(run, arguments) for run in missing], arguments.jobs)
 
 
-def finish(scheduler):
-    """Runs it; the exit code."""
+def measure_all(arguments):
+    runs = [run for run in chosen_runs(arguments) if results.is_done(run, arguments.out)]
+    missing = [run for run in runs if arguments.again or not results.is_measured(run, arguments.out)]
+    print(f"{len(runs) - len(missing)} of {len(runs)} finished runs are measured", flush=True)
+    return work_off([measure_task(run, arguments) for run in missing], arguments.jobs)
+
+
+def work_off(tasks, n_jobs):
+    """The exit code."""
+    scheduler = Scheduler(tasks, n_jobs)
     failed = scheduler.run()
     if scheduler.stopped:
-        print("stopped; run the same command again to go on", flush=True)
+        print("stopped; the same command again goes on", flush=True)
         return STOPPED_EARLY
     if failed:
-        print(f"{len(failed)} runs failed: {', '.join(failed)}", flush=True)
+        print(f"{len(failed)} failed: {', '.join(failed)}", flush=True)
     return 1 if failed else 0
+
+
+def write_report(arguments):
+    runs = chosen_runs(arguments)
+    ready = [run for run in runs if results.is_done(run, arguments.out) and results.is_measured(run, arguments.out)]
+    if not ready:
+        sys.exit(f"fault_study: no run in {arguments.out} is both done and measured; start with run, then measure")
+    found = [results.read(run, arguments.out) for run in ready]
+    for path in report.write(found, len(runs), arguments.out, arguments.pictures or arguments.out / "pictures"):
+        print(path)
+    return 0
 
 
 def at_least_one(text):
@@ -85,6 +127,10 @@ def parser_of():
 
     add("list", list_runs, [common], "prints the runs: number of the sample, name, whether done, command line")
     add("run", run_all, [common, jobs], "runs what is not done yet; may be stopped and started again")
+    measure = add("measure", measure_all, [common, jobs], "nappe measure on the runs that are done and not measured")
+    measure.add_argument("--again", action="store_true", help="on those that are measured too")
+    reported = add("report", write_report, [common], "tables, fits and pictures of what is done and measured")
+    reported.add_argument("--pictures", type=Path, metavar="PATH", help="their folder (pictures/ of --out)")
     return parser
 
 

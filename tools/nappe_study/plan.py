@@ -54,7 +54,9 @@ def number(value):
 
 
 def toml(value):
-    """A number, or points: what --set takes for it."""
+    """A name, a number or points: what --set takes for it."""
+    if isinstance(value, str):
+        return value
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(toml(part) for part in value) + "]"
     return f"{value:.10g}"
@@ -90,6 +92,11 @@ class StudyRun:
         the zone's right limit and the front stay within (`report` checks it)."""
         return self.plan.behind + 1.35 * self.height / math.tan(math.radians(self.theta)) + self.plan.ahead
 
+    @property
+    def surface_point(self):
+        """x [m] where the line of the fault meets the surface of the bed at the start."""
+        return self.plan.behind + self.height / math.tan(math.radians(self.theta))
+
     def settings(self):
         """Keys of the scene and their values here, in the order of the scene."""
         (tip, _), (along, up), length, height = self.tip, self.direction, self.length, self.height
@@ -106,6 +113,7 @@ class StudyRun:
             "output.frames.every": self.plan.frames_every,
             "output.cells.W1.centre": [tip + 2 * height / 3, height / 2],
             "output.cells.W1.radius": 0.4 * height,
+            "output.zone.wall": "hanging",
             "output.zone.tip": self.tip,
         }
 
@@ -116,15 +124,24 @@ class StudyRun:
             command += ["--set", f"{key}={toml(value)}"]
         return command
 
+    def scene_of(self, summary):
+        """The scene as run, or None if the summary does not have it."""
+        try:
+            return tomllib.loads(summary["scene"])
+        except (KeyError, TypeError, tomllib.TOMLDecodeError):
+            return None
+
     def is_done(self, summary):
         """Whether this is the summary of this very run, carried to its end."""
+        scene = self.scene_of(summary)
         try:
-            scene = tomllib.loads(summary["scene"])
-            steps = round(self.plan.duration / scene["solver"]["h"])
             same = all(_equal(_find(scene, key), value) for key, value in self.settings().items())
-            return same and not summary["stopped_early"] and summary["steps"] == steps
-        except (KeyError, TypeError, tomllib.TOMLDecodeError):
+            return same and not summary["stopped_early"] and summary["steps"] == self.steps(scene)
+        except (KeyError, TypeError):
             return False
+
+    def steps(self, scene):
+        return round(self.plan.duration / scene["solver"]["h"])
 
 
 def _find(scene, key):
@@ -139,4 +156,4 @@ def _find(scene, key):
 def _equal(found, wanted):
     if isinstance(wanted, (list, tuple)):
         return len(found) == len(wanted) and all(map(_equal, found, wanted))
-    return float(found) == float(toml(wanted))
+    return found == wanted if isinstance(wanted, str) else float(found) == float(toml(wanted))

@@ -1,0 +1,165 @@
+"""The study's report: tables in Markdown, the same figures as JSON, pictures."""
+
+import json
+import math
+
+import numpy as np
+
+from . import pictures
+from .fits import Study
+from .plan import number
+from .results import FRONT_SLIPS, MARGIN, OUTCOMES, SLIPS
+
+
+def conditions(results):
+    """Results by (theta, height, gamma), in the order of the plan."""
+    groups = {}
+    for result in results:
+        groups.setdefault((result.run.theta, result.run.height, result.run.gamma), []).append(result)
+    return groups
+
+
+def mean_and_deviation(results, key):
+    """Over the seeds whose figure is known: mean, standard deviation (NaN for one seed), number."""
+    values = np.array([result.figures[key] for result in results])
+    values = values[np.isfinite(values)]
+    mean = float(values.mean()) if len(values) else math.nan
+    deviation = float(values.std(ddof=1)) if len(values) > 1 else math.nan
+    return mean, deviation, len(values)
+
+
+def _cell(results, outcome):
+    mean, deviation, n = mean_and_deviation(results, outcome.key)
+    if n == 0:
+        return "–"
+    text = f"{mean:.{outcome.digits}f}"
+    text += f" ± {deviation:.{outcome.digits}f}" if n > 1 else ""
+    return text + (f" ({n} of {len(results)})" if n < len(results) else "")
+
+
+def _row(cells):
+    return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def table(results):
+    """A row per dip, height and cohesion."""
+    heads = [f"{one.title} [{one.unit}]" if one.unit else one.title for one in OUTCOMES]
+    lines = [_row(["dip [°]", "h [m]", "γ [N]", "G", "C", "seeds", *heads]), _row(["---:"] * (6 + len(heads)))]
+    for (theta, height, gamma), group in sorted(conditions(results).items()):
+        groups = [f"{group[0].by_grain:.3g}", f"{group[0].by_column:.3g}"]
+        cells = [number(theta), number(height), number(gamma), *groups, len(group)]
+        lines.append(_row(cells + [_cell(group, outcome) for outcome in OUTCOMES]))
+    return "\n".join(lines)
+
+
+def _value(value, digits=3):
+    return f"{value:.{digits}g}" if math.isfinite(value) else "–"
+
+
+def fits_table(studies):
+    """A row per outcome: what each relation explains of runs it was not fitted to, and the best one's coefficients."""
+    names = [candidate.fit.relation.name for candidate in studies[0].candidates]
+    heads = ["outcome", "scatter of seeds", *(f"R² {name}" for name in names), "supported"]
+    lines = [_row(heads), _row(["---"] + ["---:"] * (len(names) + 1) + ["---"])]
+    for study in studies:
+        shown = [f"{_value(one.r2, 2)} ({_value(one.r2_foretold, 2)})" for one in study.candidates]
+        lines.append(_row([study.outcome.title, _value(study.scatter, 2), *shown, _verdict(study)]))
+    return "\n".join(lines)
+
+
+def _verdict(study):
+    if study.best is None:
+        return "can not be said: too few beds"
+    if not study.supported:
+        return "none"
+    fit = study.best.fit
+    a, b, c, e = (_value(value) for value in fit.coefficients)
+    name = fit.relation.name.replace("u0", f"{fit.u0:.2g}").replace("e ", f"{e} ", 1)
+    return f"{a} + {b} tan θ + {c} h/d + {name}; RMS {_value(study.best.rms_foretold, 2)}"
+
+
+def near_ends(results):
+    lines = [f"- {result.run.name}: {'; '.join(result.too_near)}" for result in results if result.too_near]
+    text = "\n".join(lines) if lines else "None."
+    return f"Runs whose zone or front came within {MARGIN:g} m of an end of the box, up to the slip used:\n\n{text}"
+
+
+def markdown(results, n_wanted, studies, paths, folder):
+    slips = ", ".join(f"{slip:g}" for slip in FRONT_SLIPS)
+    parts = [
+        "# Fault propagation: the parametric study",
+        f"{len(results)} of {n_wanted} runs. G: γ over the mean weight of a grain. C: γ over the weight of a column as "
+        "high as the bed and as wide as a mean grain, γ / (ρ g h d). Angles to the horizontal; limits, opening and the "
+        f"trishear fit are medians over the frames at slips of {SLIPS[0]:g} to {SLIPS[1]:g} h; the front's distance is "
+        "counted from where the fault's line meets the surface at the start, in heights of the bed, at slips of "
+        f"{slips} h. Mean ± standard deviation over the seeds.",
+        table(results),
+        "## Relations",
+        "y = a + b tan θ + c h/d + a term in cohesion; d: mean diameter. R² of all runs, and in brackets of each bed "
+        "(dip and height) by a fit to the other beds. Supported: that explains at least half of the variance, with an "
+        "error a tenth smaller than without cohesion.",
+    ]
+    parts.append(fits_table(studies) if studies else "Too few runs for a fit.")
+    parts += ["## Checks", near_ends(results), "## Pictures"]
+    parts += [f"![{path.stem.replace('-', ' ')}]({_relative(path, folder)})" for path in paths]
+    return "\n\n".join(parts) + "\n"
+
+
+def _relative(path, folder):
+    try:
+        return path.resolve().relative_to(folder.resolve())
+    except ValueError:
+        return path
+
+
+def _clean(value):
+    """JSON has no NaN."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def as_json(results, studies):
+    runs = [
+        {
+            "name": result.run.name,
+            "theta": result.run.theta,
+            "height": result.run.height,
+            "gamma": result.run.gamma,
+            "seed": result.run.seed,
+            "by_grain": result.by_grain,
+            "by_column": result.by_column,
+            "too_near": result.too_near,
+            **{key: _clean(value) for key, value in result.figures.items()},
+        }
+        for result in results
+    ]
+    fits = [
+        {
+            "outcome": study.outcome.key,
+            "scatter": _clean(study.scatter),
+            "supported": study.supported,
+            "best": study.best.fit.relation.name if study.best else None,
+            "relations": [
+                {
+                    "name": one.fit.relation.name,
+                    "u0": _clean(float(one.fit.u0)),
+                    "coefficients": [float(value) for value in one.fit.coefficients],
+                    "r2": _clean(one.r2),
+                    "r2_foretold": _clean(one.r2_foretold),
+                    "rms_foretold": _clean(one.rms_foretold),
+                }
+                for one in study.candidates
+            ],
+        }
+        for study in studies
+    ]
+    return {"runs": runs, "fits": fits}
+
+
+def write(results, n_wanted, out, folder):
+    """OUT/report.md and OUT/report.json, pictures in `folder`; the paths."""
+    studies = [study for study in (Study(outcome, results) for outcome in OUTCOMES) if study.candidates]
+    paths = pictures.draw(conditions(results), studies, folder)
+    text, data = out / "report.md", out / "report.json"
+    text.write_text(markdown(results, n_wanted, studies, paths, out))
+    data.write_text(json.dumps(as_json(results, studies), indent=1) + "\n")
+    return [text, data, *paths]
