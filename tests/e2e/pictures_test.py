@@ -1,19 +1,25 @@
-"""From a scene to pictures: a short run of the quarter-scale fold on two ranks, then tools/plot and tools/render.
+"""From a scene to pictures: a short run of the quarter-scale fold on two ranks, then tools/plot and tools/render. Then
+that run with the measures of a flow that is known, a trishear zone, for the pictures of fields and of several runs.
 
 Usage: python3 pictures_test.py ROOT_OF_THE_REPOSITORY NAPPE FOLDER, with a Python that has matplotlib."""
 
 import json
+import math
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
+from matplotlib.colors import to_hex
 from matplotlib.image import imread
 
 STEPS = 40
 SERIES = ["stress", "lambda", "front", "solver"]
 CURVES_FROM_FRAMES = ["cells", "chains"]
+FAULT = ["profile", "velocity", "trishear", "strain", "budget"]
+COMPARED = ["profile", "velocity", "trishear", "strain", "stress", "lambda", "cells", "zone", "budget"]
+DIP, TIP, SPEED = math.radians(30), (100.0, 0.0), 0.5  # of the fault that is made up: a tip on the floor [m], [m/s]
 
 
 def run(*command, code=0):
@@ -39,6 +45,93 @@ def check_picture(path, palette):
         assert has_colour(picture, colour), f"{path} shows nothing in {colour}"
 
 
+def check_trishear(fault):
+    """The model the pictures draw: rigid above the zone, at rest below, continuous at its limits, free of divergence."""
+    one = fault.Fault(TIP, (SPEED * math.cos(DIP), SPEED * math.sin(DIP)))
+    half, s, r = math.radians(25), 1.7, 9.0
+    zone = {"trishear_x": TIP[0], "trishear_y": TIP[1], "trishear_half_angle": half, "trishear_s": s}
+
+    def at(angle, distance=r):
+        """Velocity over SPEED at an angle from the fault: along the fault, across it."""
+        x, y = TIP[0] + distance * math.cos(DIP + angle), TIP[1] + distance * math.sin(DIP + angle)
+        velocity = fault.trishear(one, zone, np.array(x), np.array(y)) / SPEED
+        return np.array([velocity @ one.along, velocity @ one.across])
+
+    assert np.allclose(at(1.2 * half), [1, 0]) and np.allclose(at(-1.2 * half), [0, 0])
+    near = 1e-9  # inside the limits; the model's slope is finite there
+    assert np.allclose(at(half - near), [1, 0], atol=1e-7) and np.allclose(at(near - half), [0, 0], atol=1e-7)
+    assert math.isclose(at(near)[0], 0.5, abs_tol=1e-3)  # on the fault: half the speed, and towards the footwall
+    assert math.isclose(at(0.0)[1], -0.5 * math.tan(half) / (1 + s), rel_tol=1e-9)
+    d = 1e-4  # m: second differences of the model are of order 1 a metre, so the divergence is off by 1e-8 or so
+    for angle in (-0.8 * half, -0.3 * half, 0.2 * half, 0.7 * half):
+        x, y = TIP[0] + r * math.cos(DIP + angle), TIP[1] + r * math.sin(DIP + angle)
+        gx, gy = np.array([x + d, x - d, x, x]), np.array([y, y, y + d, y - d])
+        v = fault.trishear(one, zone, gx, gy) / SPEED
+        divergence = (v[0, 0] - v[1, 0] + v[2, 1] - v[3, 1]) / (2 * d)
+        slopes = abs(v[0] - v[1]).max() / (2 * d)
+        assert abs(divergence) < 1e-5 * max(slopes, 1), (angle, divergence, slopes)
+
+
+def add_budget(folder):
+    """Gives the series of energies the columns that output.measures.energy adds; they balance."""
+    path = folder / "series/energy.csv"
+    lines = path.read_text().splitlines()
+    rows = [dict(zip(lines[0].split(","), line.split(","))) for line in lines[1:]]
+    for row in rows:
+        work = float(row["wall_work"])
+        row |= {"gravity": -0.3 * work, "friction": -0.5 * work, "impact": -0.1 * work, "cohesion": 0.0}
+        row |= {"theta_term": 0.0, "error": 0.0}
+    path.write_text("\n".join([",".join(rows[0])] + [",".join(map(str, row.values())) for row in rows]) + "\n")
+
+
+def check_fields(root, folder, out):
+    """Pictures of one run with a fault, and of two."""
+    sys.path.insert(0, str(Path(__file__).parent))
+    import made_up_measures
+    from nappe_plot import fault, flow
+
+    check_trishear(fault)
+    made_up_measures.add_fault(out, "piston", TIP, (SPEED * math.cos(DIP), SPEED * math.sin(DIP)))
+    (out / "series").mkdir()
+    for name in ("energy", "front", "solver", "cell-W1", "wall-piston"):
+        shutil.copy(folder / "series" / f"{name}.csv", out / "series")
+    add_budget(out)
+    zone = made_up_measures.zone_values(DIP, TIP)
+    one = fault.Fault(TIP, (SPEED * math.cos(DIP), SPEED * math.sin(DIP)))
+    made_up_measures.make(out, lambda x, y: fault.trishear(one, zone, x, y), DIP, TIP, spacing=1.0)
+    other = folder / "other"
+    shutil.copytree(out, other)
+    angle = made_up_measures.HALF_ANGLE
+    figures = (out / "measures/zone.csv").read_text().replace(repr(angle), repr(2 * angle))
+    (other / "measures/zone.csv").write_text(figures)
+
+    pictures = out / "pictures"
+    printed = run(root / "tools/plot", out, "--only", ",".join(FAULT), "--dpi", 80).splitlines()
+    assert printed == [str(pictures / f"{name}.png") for name in FAULT], printed
+    for name in FAULT:
+        check_picture(pictures / f"{name}.png", ())
+    moving, resting = (to_hex(flow.SPEEDS(flow.SPEED_NORM(speed))) for speed in (1.0, 0.0))
+    check_picture(pictures / "velocity.png", (moving, resting))
+
+    both = folder / "both"
+    printed = run(root / "tools/plot", "--compare", out, other, "--labels", "right,wrong", "--out", both, "--dpi", 80)
+    assert printed.splitlines() == [str(both / f"{name}.png") for name in COMPARED], printed
+    for name in COMPARED:
+        check_picture(both / f"{name}.png", ())
+    # A fit that is the flow itself leaves no difference to show; one with twice the angle does, in its row.
+    picture = imread(both / "trishear.png")
+    misfit = np.array(flow.MISFITS(flow.MISFIT_NORM(0.2))[:3])
+    shown = (abs(picture[..., :3] - misfit).max(axis=-1) < 0.1).sum(axis=1)
+    top = len(picture) // 6  # the bars and their numbers lie above
+    first, second = np.array_split(shown[top:], 2)
+    assert first.sum() == 0 and second.sum() > 500, (first.sum(), second.sum())
+
+    assert "--compare" in run(root / "tools/plot", out, other, code=2)
+    assert "one label per folder" in run(root / "tools/plot", "--compare", out, other, "--labels", "a", code=2)
+    printed = run(root / "tools/plot", "--compare", out, other, "--only", "solver", code=1)
+    assert "no picture solver of several runs" in printed, printed
+
+
 def main(root, nappe, folder):
     sys.path.insert(0, str(root / "tools"))
     from nappe_plot import palette
@@ -54,7 +147,10 @@ def main(root, nappe, folder):
     printed = run(root / "tools/plot", out, "--times", "0,1", "--dpi", 80).splitlines()
     layers = ["layers", "layers-0000s", "layers-0001s"]
     expected = [pictures / f"{name}.png" for name in layers + SERIES + CURVES_FROM_FRAMES]
-    assert sorted(printed) == sorted(map(str, expected)), printed
+    drawn = [line for line in printed if "skipped" not in line]
+    assert sorted(drawn) == sorted(map(str, expected)), printed
+    skipped = [line.split(":")[0] for line in printed if "skipped" in line]
+    assert skipped == FAULT, printed  # the fold has no fault, and was not measured
     bed = palette.BED[0], palette.BED[2], palette.BED[4], palette.ABOVE_BED
     for path in expected:
         check_picture(path, bed if path.stem in layers else ())
@@ -67,10 +163,12 @@ def main(root, nappe, folder):
         check_picture(path, ())
 
     # What a run does not have is skipped and named; what is no run is refused.
+    shutil.copytree(out / "series", folder / "series")
     shutil.rmtree(out / "series")
     printed = run(root / "tools/plot", out, "--only", ",".join(SERIES))
     assert printed.count("skipped") == len(SERIES), printed
     assert "no run.xdmf" in run(root / "tools/plot", folder, code=1)
+    check_fields(root, folder, out)
     print("the fold ran, and every picture shows something")
 
 

@@ -242,8 +242,8 @@ def test_report(folder):
     assert abs(left["scatter"] / noise - 1) < 4 / 12, left["scatter"]
     assert left["supported"] and left["best"] == "e log(1 + C / u0)", left
     best = next(relation for relation in left["relations"] if relation["name"] == left["best"])
-    # Noise of 0.8 over 108 runs leaves the slope in tan(dip), which varies by 0.26, uncertain by 0.8 / (0.26 sqrt(108)),
-    # and the slope in the decades of C by about as much of 12 as u0 is uncertain: a third.
+    # The slope in tan(dip), which varies by 0.26, is uncertain by 0.8 / (0.26 sqrt(108)); that in the decades of C by
+    # about as much of 12 as u0 is uncertain: a third.
     assert abs(best["coefficients"][1] - 30) < 4 * noise / (0.26 * math.sqrt(108)), best
     assert abs(best["coefficients"][3] + 12) < 4 and 0.04 < best["u0"] < 0.25, best
     assert not fits["residual"]["supported"], fits["residual"]

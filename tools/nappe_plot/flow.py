@@ -14,6 +14,8 @@ SPEEDS = LinearSegmentedColormap.from_list(
 )
 STRAINS = LinearSegmentedColormap.from_list("strains", ["#f8f6ee", "#fdd49e", "#ef6548", "#990000", "#3a0008"])
 MISFITS = LinearSegmentedColormap.from_list("misfits", ["#f6f5f9", "#d9d2e9", "#8e7cc3", "#3c1a78"])
+SPEED_NORM = Normalize(0, 1.25)
+MISFIT_NORM = Normalize(0, 0.3)
 ARROWS_ACROSS = 44
 
 
@@ -80,10 +82,9 @@ def draw_velocity(views, out):
         return
     windows = zoomed(views)
     figure, axes = _panels(windows, 1)
-    norm = Normalize(0, 1.25)
     for axis, view, window in zip(axes[:, 0], views, windows):
         field, v0 = view.field, _speed(view.run)
-        _map(axis, field, field.speed / v0, norm, SPEEDS)
+        _map(axis, field, field.speed / v0, SPEED_NORM, SPEEDS)
         step = max(1, round((window.x[1] - window.x[0]) / ARROWS_ACROSS / (field.x[1] - field.x[0])))
         pick = np.s_[step // 2 :: step]
         arrows = field.velocity[pick, pick] / v0
@@ -105,7 +106,7 @@ def draw_velocity(views, out):
         )
         _finish(axis, view, window)
         axis.set_title(view.label, loc="left")
-    _bar(figure, axes[0, 0], norm, SPEEDS, "speed / speed of the wall", "max")
+    _bar(figure, axes[0, 0], SPEED_NORM, SPEEDS, "speed / speed of the wall", "max")
     yield style.save(figure, out / "velocity.png", style.DPI_FIELDS)
 
 
@@ -116,16 +117,15 @@ def draw_trishear(views, out):
         return
     windows = zoomed(views)
     figure, axes = _panels(windows, 3)
-    speeds, misfits = Normalize(0, 1.25), Normalize(0, 0.5)
     for row, view, window in zip(axes, views, windows):
         field, zone, one = view.field, view.zone, fault.of(view.run)
         x, y = np.meshgrid(field.x, field.y)
         model = fault.trishear(one, zone, x, y)
         model[np.isnan(field.speed)] = np.nan
         difference = np.hypot(*np.moveaxis(field.velocity - model, -1, 0))
-        _map(row[0], field, field.speed / one.speed, speeds, SPEEDS)
-        _map(row[1], field, np.hypot(model[..., 0], model[..., 1]) / one.speed, speeds, SPEEDS)
-        _map(row[2], field, difference / one.speed, misfits, MISFITS)
+        _map(row[0], field, field.speed / one.speed, SPEED_NORM, SPEEDS)
+        _map(row[1], field, np.hypot(model[..., 0], model[..., 1]) / one.speed, SPEED_NORM, SPEEDS)
+        _map(row[2], field, difference / one.speed, MISFIT_NORM, MISFITS)
         for axis in row:
             _finish(axis, view, window, marks=False)
             axis.plot(zone["trishear_x"], zone["trishear_y"], "o", color="#d55e00", markersize=7, zorder=6)
@@ -133,9 +133,9 @@ def draw_trishear(views, out):
         angle = 2 * np.degrees(zone["trishear_half_angle"])
         row[1].set_title(f"apical angle {angle:.0f}°, s = {zone['trishear_s']:.2g}", loc="left", fontsize=13)
         row[2].set_title(f"RMS {zone['trishear_residual']:.3f}", loc="left", fontsize=13)
-    _bar(figure, axes[0, 0], speeds, SPEEDS, "measured: speed / $V_0$", "max")
-    _bar(figure, axes[0, 1], speeds, SPEEDS, "trishear model: speed / $V_0$", "max")
-    _bar(figure, axes[0, 2], misfits, MISFITS, "|measured − model| / $V_0$", "max")
+    _bar(figure, axes[0, 0], SPEED_NORM, SPEEDS, "measured: speed / $V_0$", "max")
+    _bar(figure, axes[0, 1], SPEED_NORM, SPEEDS, "trishear model: speed / $V_0$", "max")
+    _bar(figure, axes[0, 2], MISFIT_NORM, MISFITS, "|measured − model| / $V_0$", "max")
     yield style.save(figure, out / "trishear.png", style.DPI_FIELDS)
 
 

@@ -38,7 +38,7 @@ class _Looks:
         """Colour, marker, and offset in places of the axis."""
         k, j = self.thetas.index(theta), self.heights.index(height)
         n = len(self.thetas) * len(self.heights)
-        offset = 0.5 * ((k * len(self.heights) + j + 0.5) / n - 0.5)
+        offset = 0.7 * ((k * len(self.heights) + j + 0.5) / n - 0.5)
         return palette.LINES[k % len(palette.LINES)], MARKERS[j % len(MARKERS)], offset
 
     def key(self):
@@ -46,9 +46,10 @@ class _Looks:
             Line2D([], [], color=palette.LINES[k % len(palette.LINES)], label=f"dip {number(theta)}°")
             for k, theta in enumerate(self.thetas)
         ]
+        point = {"color": palette.INK, "linestyle": ""}
         heights = [
-            Line2D([], [], color=palette.INK, marker=MARKERS[j % len(MARKERS)], linestyle="", label=f"{number(h)} m high")
-            for j, h in enumerate(self.heights)
+            Line2D([], [], marker=MARKERS[j % len(MARKERS)], label=f"{number(height)} m high", **point)
+            for j, height in enumerate(self.heights)
         ]
         return dips + heights
 
@@ -73,8 +74,8 @@ def _panel(axis, conditions, looks, outcome):
                 axis.errorbar(x, y, error, color=colour, marker=marker, linewidth=1.2, markersize=7, capsize=3)
     axis.set_xticks(list(looks.place.values()), looks.tick_labels)
     axis.set_xlim(-0.5, len(looks.place) - 0.5)
-    unit = f" [{outcome.unit}]" if outcome.unit else ""
-    axis.set(title=outcome.title, ylabel=(outcome.title.split()[0] if outcome.unit == "h" else "") + unit)
+    label = {"°": "angle [°]", "h": "distance / height"}.get(outcome.unit, "")
+    axis.set(title=outcome.title, ylabel=label)
     axis.grid(axis="x", visible=False)
 
 

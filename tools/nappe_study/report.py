@@ -69,13 +69,14 @@ def fits_table(studies):
 
 def _verdict(study):
     if study.best is None:
-        return "can not be said: too few beds"
+        return "it does not vary" if study.y.std() == 0 else "too few beds to tell"
     if not study.supported:
         return "none"
     fit = study.best.fit
-    a, b, c, e = (_value(value) for value in fit.coefficients)
-    name = fit.relation.name.replace("u0", f"{fit.u0:.2g}").replace("e ", f"{e} ", 1)
-    return f"{a} + {b} tan θ + {c} h/d + {name}; RMS {_value(study.best.rms_foretold, 2)}"
+    a, *others = fit.coefficients
+    terms = ["tan θ", "h/d", fit.relation.name.removeprefix("e ").replace("u0", f"{fit.u0:.2g}")]
+    sum_of_terms = " ".join(f"{'−' if k < 0 else '+'} {_value(abs(k))} {term}" for k, term in zip(others, terms))
+    return f"{_value(a)} {sum_of_terms}; RMS {_value(study.best.rms_foretold, 2)}"
 
 
 def near_ends(results):
@@ -95,9 +96,9 @@ def markdown(results, n_wanted, studies, paths, folder):
         f"{slips} h. Mean ± standard deviation over the seeds.",
         table(results),
         "## Relations",
-        "y = a + b tan θ + c h/d + a term in cohesion; d: mean diameter. R² of all runs, and in brackets of each bed "
-        "(dip and height) by a fit to the other beds. Supported: that explains at least half of the variance, with an "
-        "error a tenth smaller than without cohesion.",
+        "y = a + b tan θ + c h/d + a term in cohesion; d: mean diameter, log: to base 10. R² of all runs, and in "
+        "brackets of each bed (dip and height) by a fit to the other beds. Supported: that explains at least half of "
+        "the variance, with an error a tenth smaller than without cohesion.",
     ]
     parts.append(fits_table(studies) if studies else "Too few runs for a fit.")
     parts += ["## Checks", near_ends(results), "## Pictures"]
