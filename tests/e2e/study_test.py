@@ -256,13 +256,15 @@ def test_report(folder):
         assert path.stat().st_size > 10000, path
         assert f"(pictures/{path.name})" in text
 
-    # Without cohesion's part in the results no relation may be supported for them either.
-    kept = [run for run in plan.FULL.runs() if run.seed == 1]
-    found = [results.read(run, folder) for run in kept]
-    for result in found:
-        result.figures["left"] -= left_limit(result.run, by_column)
-    outcome = next(one for one in results.OUTCOMES if one.key == "left")
-    assert not Study(outcome, found).supported
+    # A relation that is there, but explains a third of the variance, is not said to be supported.
+    found = [results.read(run, folder) for run in plan.FULL.runs()]
+    rng = np.random.default_rng(5)
+    part = np.array([math.log10(1 + by_column(result.run) / 0.1) for result in found])
+    part = part / part.std() + math.sqrt(2) * rng.standard_normal(len(found))
+    for result, value in zip(found, part):
+        result.figures["left"] = float(value)
+    weak = Study(next(one for one in results.OUTCOMES if one.key == "left"), found)
+    assert weak.best.rms_foretold < 0.9 * weak.candidates[0].rms_foretold and not weak.supported
 
 
 def test_program(folder):
