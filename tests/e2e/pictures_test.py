@@ -79,7 +79,7 @@ def add_budget(folder):
     rows = [dict(zip(lines[0].split(","), line.split(","))) for line in lines[1:]]
     for row in rows:
         work = float(row["wall_work"])
-        row |= {"gravity": -0.3 * work, "friction": -0.5 * work, "impact": -0.1 * work, "cohesion": 0.0}
+        row |= {"gravity": -0.3 * work, "friction": 0.5 * work, "impact": 0.1 * work, "cohesion": 0.0}
         row |= {"theta_term": 0.0, "error": 0.0}
     path.write_text("\n".join([",".join(rows[0])] + [",".join(map(str, row.values())) for row in rows]) + "\n")
 

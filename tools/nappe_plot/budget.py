@@ -4,13 +4,14 @@ import matplotlib.pyplot as plt
 
 from . import palette, solver, style
 
+# Column, sign with which it adds to the kinetic energy (what is lost is stored positive), label.
 TERMS = [
-    ("wall_work", "work of the walls", 0),
-    ("gravity", "work of gravity", 1),
-    ("friction", "friction", 2),
-    ("impact", "impacts", 3),
-    ("cohesion", "cohesion", 4),
-    ("theta_term", r"scheme, $\theta \neq 1/2$", 5),
+    ("wall_work", 1, "work of the walls"),
+    ("gravity", 1, "work of gravity"),
+    ("friction", -1, "friction"),
+    ("impact", -1, "impacts"),
+    ("cohesion", -1, "cohesion"),
+    ("theta_term", 1, r"scheme, $\theta \neq 1/2$"),
 ]
 
 
@@ -28,9 +29,9 @@ def draw(views, out):
     scale, unit = solver.joules([energy[name] for _, energy in known for name, _, _ in TERMS])
     for axis, (view, energy) in zip(axes.flat, known):
         gained = energy["kinetic"] - energy["kinetic"][0]
-        for name, label, k in TERMS:
+        for (name, sign, label), colour in zip(TERMS, palette.LINES):
             if abs(energy[name]).max() > 0:
-                axis.plot(energy["time"], energy[name] / scale, color=palette.LINES[k], label=label)
+                axis.plot(energy["time"], sign * energy[name] / scale, color=colour, label=label)
         axis.plot(energy["time"], gained / scale, color=palette.INK, label="kinetic energy gained")
         axis.plot(energy["time"], energy["error"] / scale, color=palette.MUTED, linestyle=":", label="error of the sum")
         axis.set(xlabel="time [s]", title=view.label if len(known) > 1 else "")

@@ -49,20 +49,21 @@ def limits(fault, zone):
     return [(x, angle) for x, angle in pairs if np.isfinite(x) and np.isfinite(angle)]
 
 
-def draw_marks(axis, run, frame, top=None):
+def draw_marks(axis, run, frame, thin=False):
     """As in the paper's Figs. 12 and 13: the fault's direction, the zone's limits dashed, an arrow at the front.
 
-    What was not measured is left out.
+    What was not measured is left out. Thin lines do not hide what lies along them.
     """
     fault = of(run)
     if fault is None:
         return
-    top = frame.x[:, 1].max() if top is None else top
-    axis.plot(*zip(fault.tip, (fault.line(top), top)), **FAULT_LINE)
+    top = frame.x[:, 1].max()
+    thinner = {"linewidth": 0.9, "path_effects": None} if thin else {}
+    axis.plot(*zip(fault.tip, (fault.line(top), top)), **(FAULT_LINE | thinner))
     zone = row_at(run.measured("zone"), frame.time)
     if zone is not None:
         for x, angle in limits(fault, zone):
-            axis.plot([x, x + (top - fault.tip[1]) / np.tan(angle)], [fault.tip[1], top], **LIMIT_LINE)
+            axis.plot([x, x + (top - fault.tip[1]) / np.tan(angle)], [fault.tip[1], top], **(LIMIT_LINE | thinner))
     surface = row_at(run.measured("surface"), frame.time)
     if surface is not None and np.isfinite(surface["front"]):
         near = abs(frame.x[:, 0] - surface["front"]) < 4 * frame.radius.mean()

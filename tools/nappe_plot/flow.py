@@ -68,10 +68,10 @@ def _map(axis, field, values, norm, colours):
     axis.pcolormesh(field.x, field.y, values, norm=norm, cmap=colours, shading="nearest", rasterized=True, zorder=1)
 
 
-def _finish(axis, view, window, marks=True):
+def _finish(axis, view, window, marks=True, thin=False):
     grains.draw_walls(axis, view.frame)
     if marks:
-        fault.draw_marks(axis, view.run, view.frame)
+        fault.draw_marks(axis, view.run, view.frame, thin)
     window.apply(axis)
 
 
@@ -167,7 +167,7 @@ def draw_strain(views, out):
     for row, view, window in zip(axes, views, windows):
         for axis, (pick, _), norm in zip(row, columns, norms):
             _map(axis, view.field, pick(view.field), norm, STRAINS)
-            _finish(axis, view, window)
+            _finish(axis, view, window, thin=True)
         row[0].set_title(view.label, loc="left")
     for axis, norm, (_, label) in zip(axes[0], norms, columns):
         _bar(figure, axis, norm, STRAINS, label, "max")
