@@ -213,4 +213,22 @@ const ContactLaw* find_law(const Scene<D>& scene, int material_a, int material_b
     return nullptr;
 }
 
+/// The (sub)step whose impulses are in force after `step` steps of loading: that of the loading stage this step ends in,
+/// of the first for step 0 [s].
+template <int D>
+double impulse_step(const Scene<D>& scene, std::int64_t step) {
+    const Stage* stage = &scene.stages.back();
+    std::int64_t end = 0;
+    for (const auto& next : scene.stages) {
+        if (!next.until) {
+            stage = &next;
+            end += n_steps(next);
+            if (step <= end) {
+                break;
+            }
+        }
+    }
+    return stage->solver.h / stage->solver.substeps;
+}
+
 } // namespace nappe
