@@ -95,23 +95,16 @@ void add_contacts(const RowRange& range, const std::vector<FrameContact<D>>& con
     }
 }
 
-/// A wall's name as the name of a dataset: '/' would make groups of it, and two walls must not meet in one name.
-std::string link_name(const std::string& name, std::size_t index, const std::set<std::string>& taken) {
-    std::string link = name;
-    std::replace(link.begin(), link.end(), '/', '_');
-    while (link.empty() || link == "." || taken.contains(link)) {
-        link = fmt::format("{}_{}", link, index);
-    }
-    return link;
-}
-
 template <int D>
 void add_walls(const Communicator& comm, const std::vector<FrameWall<D>>& walls, Hdf5Content& content) {
     content.groups.push_back("/walls");
-    std::set<std::string> taken;
+    std::vector<std::string> names;
+    for (const auto& wall : walls) {
+        names.push_back(wall.name);
+    }
+    const auto links = wall_links(names);
     for (std::size_t w = 0; w < walls.size(); ++w) {
-        const auto link = link_name(walls[w].name, w, taken);
-        taken.insert(link);
+        const auto& link = links[w];
         const auto range = by_root(comm, walls[w].points.size());
         const auto points = comm.is_root() ? walls[w].points : std::vector<Vec<D>>();
         content.add<double>("/walls/" + link, 3, range, points, [](const Vec<D>& x, double* to) { pad(x, to); });
@@ -125,19 +118,46 @@ std::filesystem::path frame_name(std::int64_t step) {
     return fmt::format("frames/frame-{:08}.hdf", step);
 }
 
+std::vector<std::string> wall_links(const std::vector<std::string>& names) {
+    std::vector<std::string> links;
+    std::set<std::string> taken;
+    for (std::size_t w = 0; w < names.size(); ++w) {
+        std::string link = names[w];
+        std::replace(link.begin(), link.end(), '/', '_');
+        while (link.empty() || link == "." || taken.contains(link)) {
+            link = fmt::format("{}_{}", link, w);
+        }
+        taken.insert(link);
+        links.push_back(link);
+    }
+    return links;
+}
+
 template <int D>
-FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& path, Frame<D>&& frame) {
-    const IdBlocks blocks{comm.sum(static_cast<std::int64_t>(frame.grains.size())), comm.size()};
-    const auto grains =
-        grains_in_blocks(comm, blocks, std::move(frame.grains), [](const FrameGrain<D>& g) { return g.grain.id; });
-    const auto contacts = contacts_in_blocks(comm, blocks, std::move(frame.contacts));
+FrameBlock<D> in_blocks(const Communicator& comm, Frame<D>&& frame) {
+    FrameBlock<D> block;
+    block.step = frame.step;
+    block.time = frame.time;
+    block.scene_title = std::move(frame.scene_title);
+    block.with_bonds = frame.with_bonds;
+    block.blocks = {comm.sum(static_cast<std::int64_t>(frame.grains.size())), comm.size()};
+    block.grains = grains_in_blocks(comm, block.blocks, std::move(frame.grains),
+                                    [](const FrameGrain<D>& g) { return g.grain.id; });
+    block.contacts = contacts_in_blocks(comm, block.blocks, std::move(frame.contacts));
+    block.walls = std::move(frame.walls);
+    return block;
+}
+
+template <int D>
+FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& path, const FrameBlock<D>& frame) {
+    const auto& blocks = frame.blocks;
     const RowRange grain_range{blocks.first(comm.rank()), blocks.count(comm.rank()), blocks.n};
-    const RowRange contact_range = row_range(comm, contacts.size());
+    const RowRange contact_range = row_range(comm, frame.contacts.size());
 
     Hdf5Content content;
     add_topology(comm, grain_range, content);
-    add_grains(grain_range, grains, content);
-    add_contacts(contact_range, contacts, frame.with_bonds, content);
+    add_grains(grain_range, frame.grains, content);
+    add_contacts(contact_range, frame.contacts, frame.with_bonds, content);
     add_walls(comm, frame.walls, content);
     content.attributes.push_back({"/VTKHDF", "Version", std::vector<std::int64_t>{1, 0}});
     content.attributes.push_back({"/VTKHDF", "Type", std::string("UnstructuredGrid")});
@@ -149,6 +169,13 @@ FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& p
     return {blocks.n, contact_range.total};
 }
 
+template <int D>
+FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& path, Frame<D>&& frame) {
+    return write_frame(comm, path, in_blocks(comm, std::move(frame)));
+}
+
+template FrameBlock<2> in_blocks(const Communicator&, Frame<2>&&);
+template FrameCounts write_frame<2>(const Communicator&, const std::filesystem::path&, const FrameBlock<2>&);
 template FrameCounts write_frame<2>(const Communicator&, const std::filesystem::path&, Frame<2>&&);
 
 } // namespace nappe
