@@ -1,5 +1,6 @@
 #include "commands/bench.hpp"
 #include "commands/check.hpp"
+#include "commands/measure.hpp"
 #include "commands/partitions.hpp"
 #include "commands/run.hpp"
 #include "core/error.hpp"
@@ -28,7 +29,23 @@ struct Arguments {
     nappe::BenchOptions bench;
     int ranks = 2;
     nappe::PartitionsOptions partitions;
+    nappe::MeasureOptions measure;
 };
+
+void define_measure(CLI::App& app, nappe::MeasureOptions& options) {
+    auto* measure =
+        app.add_subcommand("measure", "measure the stored frames of a run (docs/measures.md); start it under "
+                                      "mpirun for several ranks");
+    measure->add_option("run", options.run, "folder that a run wrote")->required();
+    measure->add_option("--out", options.out, "folder for the measures [measures in that of the run]")
+        ->type_name("DIR");
+    measure
+        ->add_option("--set", options.overrides,
+                     "override a key of output.measures or output.zone: --set output.measures.range=4")
+        ->type_name("KEY=VALUE")
+        ->allow_extra_args(false)
+        ->take_all();
+}
 
 void define_bench(CLI::App& app, nappe::BenchOptions& options) {
     auto* bench =
@@ -87,6 +104,7 @@ void define(CLI::App& app, Arguments& arguments) {
     cut->add_option("--samples", partitions.samples, "take the settled sample from here [the deposit]")
         ->type_name("DIR");
     cut->add_option("--json", partitions.json, "write the counts of every part and every message")->type_name("FILE");
+    define_measure(app, arguments.measure);
     define_bench(app, arguments.bench);
 }
 
@@ -106,6 +124,9 @@ int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& a
         }
         world.throw_together<nappe::InputError>(error);
         return code;
+    }
+    if (app.got_subcommand("measure")) {
+        return static_cast<int>(nappe::measure(world, arguments.measure));
     }
     if (app.got_subcommand("partitions")) {
         auto& options = arguments.partitions;

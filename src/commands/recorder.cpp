@@ -3,6 +3,7 @@
 #include "core/contact_geometry.hpp"
 #include "core/error.hpp"
 #include "core/stress.hpp"
+#include "io/atomic_file.hpp"
 
 #include <fmt/format.h>
 
@@ -32,10 +33,13 @@ void Recorder::claim(const Communicator& comm, const std::filesystem::path& fold
                 break;
             }
         }
-        for (const auto* file : {"summary.json", "run.xdmf", "contacts.xdmf"}) {
+        for (const auto* file : {"summary.json", "run.xdmf", "contacts.xdmf", "scene.toml"}) {
             if (error.empty()) {
                 std::filesystem::remove(folder / file, code);
             }
+        }
+        if (error.empty()) {
+            Measurer::forget(folder / "measures");
         }
     }
     comm.throw_together<SystemError>(error);
@@ -62,9 +66,13 @@ Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folde
                                                      "overlap_max", "contacts", "candidates", "rebuilds", "redone"});
     }
     share_errors();
+    if (simulation.scene().output.measures.during_run) {
+        measurer_.emplace(comm, simulation.scene(), folder / "measures");
+    }
 }
 
 void Recorder::begin() {
+    write_scene();
     initial_ = cell_shapes(simulation_);
     const auto& output = simulation_.scene().output;
     const double bin = output.front_bin > 0 ? output.front_bin : 4 * simulation_.mean_radius();
@@ -87,6 +95,19 @@ void Recorder::begin() {
     sums.end_step();
     write_row(0, 0.0);
     wall_work_ = 0;
+}
+
+/// The scene as run, so that frames can be measured whatever becomes of the run.
+void Recorder::write_scene() {
+    std::string error;
+    if (simulation_.comm().is_root()) {
+        try {
+            write_file_atomically(folder_ / "scene.toml", simulation_.scene().text);
+        } catch (const SystemError& failure) {
+            error = failure.what();
+        }
+    }
+    simulation_.comm().throw_together<SystemError>(error);
 }
 
 bool Recorder::row_due(std::int64_t step) const {
@@ -185,9 +206,14 @@ void Recorder::write_frame(std::int64_t step, double time) {
     for (int w = 0; w < simulation_.walls().n_walls(); ++w) {
         frame.walls.push_back({simulation_.walls().name(w), simulation_.walls().points(w)});
     }
-    const auto counts = nappe::write_frame(simulation_.comm(), folder_ / frame_name(step), std::move(frame));
-    index_.add(simulation_.comm(), {time, frame_name(step), counts.n_grains, counts.n_contacts});
+    const auto& comm = simulation_.comm();
+    const auto block = in_blocks(comm, std::move(frame));
+    const auto counts = nappe::write_frame(comm, folder_ / frame_name(step), block);
+    index_.add(comm, {time, frame_name(step), counts.n_grains, counts.n_contacts});
     ++n_frames_;
+    if (measurer_) {
+        measurer_->measure(block);
+    }
 }
 
 void Recorder::share_errors() {
@@ -221,6 +247,9 @@ void Recorder::finish() {
         series_.solver->finish();
     }
     share_errors();
+    if (measurer_) {
+        measurer_->finish();
+    }
 }
 
 } // namespace nappe

@@ -1,6 +1,7 @@
 #pragma once
 // Writes what a run leaves while it goes on: frames with their index, and the series.
 
+#include "commands/measurer.hpp"
 #include "io/frame_writer.hpp"
 #include "io/series.hpp"
 #include "io/xdmf_index.hpp"
@@ -9,6 +10,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +28,7 @@ public:
     Recorder(Simulation<2>& simulation, const std::filesystem::path& folder);
 
     /// **Collective.** When loading starts: remembers what cells and the bed look like, writes the first row of every
-    /// series.
+    /// series, and scene.toml.
     void begin();
 
     /// **Collective.** Whether the series want a row after this loading step, and so the step its residual.
@@ -53,12 +55,14 @@ private:
 
     void write_cells(std::int64_t step, double time, double h);
     void write_walls(std::int64_t step, double time, double h);
+    void write_scene();
     void share_errors();
 
     Simulation<2>& simulation_;
     std::filesystem::path folder_;
     XdmfIndex index_;
-    Series series_; ///< on the root only
+    std::optional<Measurer> measurer_; ///< if the scene wants measures during the run
+    Series series_;                    ///< on the root only
     std::vector<CellShape<2>> initial_;
     double bed_ = 0;
     double wall_work_ = 0;

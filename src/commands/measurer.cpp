@@ -1,0 +1,127 @@
+#include "commands/measurer.hpp"
+
+#include "commands/grain_figures.hpp"
+#include "core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+#include <regex>
+#include <system_error>
+
+namespace nappe {
+
+void Measurer::forget(const std::filesystem::path& folder) {
+    const std::regex ours(R"((whole|surface|zone|cell-.*)\.csv|fields-[0-9]+\.hdf)");
+    std::error_code ignored;
+    std::vector<std::filesystem::path> old;
+    for (const auto& place : {folder, folder / "fields"}) {
+        for (const auto& entry : std::filesystem::directory_iterator(place, ignored)) {
+            if (std::regex_match(entry.path().filename().string(), ours)) {
+                old.push_back(entry.path());
+            }
+        }
+    }
+    for (const auto& path : old) {
+        std::filesystem::remove(path, ignored);
+    }
+}
+
+Measurer::Measurer(const Communicator& comm, const Scene<2>& scene, const std::filesystem::path& folder)
+    : comm_(comm), scene_(scene) {
+    std::string error;
+    if (comm.is_root()) {
+        std::error_code code;
+        std::filesystem::create_directories(folder, code);
+        if (code) {
+            error = fmt::format("{}: must be a folder that can be written, found: {}; choose another --out",
+                                folder.string(), code.message());
+        } else {
+            for (const auto& cell : scene.output.cells) {
+                sets_.emplace_back(folder / ("cell-" + cell.name + ".csv"), SetFigures::names());
+            }
+            sets_.emplace_back(folder / "whole.csv", SetFigures::names());
+        }
+    }
+    comm.throw_together<SystemError>(error);
+    share_errors();
+}
+
+/// What the first frame settles for all that follow.
+void Measurer::remember(const FrameBlock<2>& first) {
+    if (first.step != 0 || first.blocks.n == 0) {
+        throw InputError(
+            fmt::format("measures begin with the frame of step 0, which must have grains; found step {} with "
+                        "{} grains: let the run keep its first frame",
+                        first.step, first.blocks.n));
+    }
+    ExactSum radii;
+    for (const auto& row : first.grains) {
+        radii.add(row.grain.radius);
+    }
+    comm_.sum(radii.limbs());
+    range_ = scene_.output.measures.range_for(radii.value() / static_cast<double>(first.blocks.n));
+}
+
+/// Of every set, over all ranks.
+std::vector<SetSums<2>> Measurer::sum_up(const FrameBlock<2>& frame) const {
+    const auto figures = grain_figures(comm_, frame, range_);
+    const std::size_t n_cells = scene_.output.cells.size();
+    std::vector<SetSums<2>> sums(n_cells + 1);
+    for (std::size_t i = 0; i < frame.grains.size(); ++i) {
+        const auto& of = figures[i];
+        const MeasuredGrain<2> grain{&frame.grains[i], &of.load, of.rattler, of.backbone_contacts, of.solid_fraction};
+        for (std::size_t k = 0; k < n_cells; ++k) {
+            if ((frame.grains[i].grain.cells >> k & 1) != 0) {
+                sums[k].add(grain);
+            }
+        }
+        sums.back().add(grain);
+    }
+    for (auto& set : sums) {
+        set.for_each_sum([&](ExactSum& s) { comm_.sum(s.limbs()); });
+        comm_.sum(set.counts());
+        comm_.max(set.extremes());
+    }
+    return sums;
+}
+
+void Measurer::measure(const FrameBlock<2>& frame) {
+    const bool is_first = references_.empty();
+    if (is_first) {
+        remember(frame);
+    }
+    auto sums = sum_up(frame);
+    for (std::size_t k = 0; is_first && k < sums.size(); ++k) {
+        double phi0 = sums[k].solid_fraction(); // all grains have no circle: what the field says
+        if (k < scene_.output.cells.size()) {
+            const double radius = scene_.output.cells[k].radius;
+            phi0 = sums[k].area() / (std::numbers::pi * radius * radius);
+        }
+        references_.push_back({phi0, sums[k].extent()});
+    }
+    if (comm_.is_root()) {
+        const double h = impulse_step(scene_, frame.step);
+        for (std::size_t k = 0; k < sums.size(); ++k) {
+            sets_[k].append(frame.step, frame.time, sums[k].figures(references_[k], h).values());
+        }
+    }
+    share_errors();
+}
+
+void Measurer::finish() {
+    for (auto& writer : sets_) {
+        writer.finish();
+    }
+    share_errors();
+}
+
+void Measurer::share_errors() {
+    std::string error;
+    for (const auto& writer : sets_) {
+        error = error.empty() ? writer.error() : error;
+    }
+    comm_.throw_together<SystemError>(error);
+}
+
+} // namespace nappe
