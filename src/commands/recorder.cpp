@@ -59,8 +59,11 @@ Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folde
                                        std::vector<std::string>{"x", "y", "vx", "vy", "fx", "fy"});
         }
         series_.front = std::make_unique<SeriesWriter>(path("front"), std::vector<std::string>{"front"});
-        series_.energy = std::make_unique<SeriesWriter>(path("energy"),
-                                                        std::vector<std::string>{"kinetic", "potential", "wall_work"});
+        std::vector<std::string> energy{"kinetic", "potential", "wall_work"};
+        if (simulation.scene().output.measures.energy) {
+            energy.insert(energy.end(), {"gravity", "friction", "impact", "cohesion", "theta_term", "error"});
+        }
+        series_.energy = std::make_unique<SeriesWriter>(path("energy"), energy);
         series_.solver = std::make_unique<SeriesWriter>(
             path("solver"), std::vector<std::string>{"residual", "residual_rms", "sweeps", "overlap_mean",
                                                      "overlap_max", "contacts", "candidates", "rebuilds", "redone"});
@@ -94,7 +97,6 @@ void Recorder::begin() {
     }
     sums.end_step();
     write_row(0, 0.0);
-    wall_work_ = 0;
 }
 
 /// The scene as run, so that frames can be measured whatever becomes of the run.
@@ -125,12 +127,12 @@ void Recorder::write_row(std::int64_t step, double time) {
     write_walls(step, time, h);
     wall_work_ += step > 0 ? sums.wall_work() : 0.0;
     sums.clear();
+    write_energy(step, time);
 
     const auto& output = simulation_.scene().output;
     const double bin = output.front_bin > 0 ? output.front_bin : 4 * simulation_.mean_radius();
     const double front = bin > 0 ? front_position(free_surface(simulation_, bin), bed_, 4 * simulation_.mean_radius())
                                  : std::numeric_limits<double>::quiet_NaN();
-    const Energies energy = energies(simulation_);
     overlaps_ = overlaps(simulation_);
     largest_overlap_ = std::max(largest_overlap_, overlaps_.largest);
     if (comm.is_root()) {
@@ -138,7 +140,6 @@ void Recorder::write_row(std::int64_t step, double time) {
         const auto& residual = simulation_.last_residual();
         const auto& counters = simulation_.counters();
         series_.front->append(step, time, std::array{front});
-        series_.energy->append(step, time, std::array{energy.kinetic, energy.potential, wall_work_});
         series_.solver->append(step, time,
                                std::array{residual ? residual->largest : unknown, residual ? residual->rms : unknown,
                                           static_cast<double>(simulation_.last_sweeps()), overlaps_.mean,
@@ -148,6 +149,27 @@ void Recorder::write_row(std::int64_t step, double time) {
                                           static_cast<double>(counters.redone_lists + counters.redone_packs)});
     }
     share_errors();
+}
+
+void Recorder::write_energy(std::int64_t step, double time) {
+    const Energies energy = energies(simulation_);
+    std::vector<double> row{energy.kinetic, energy.potential, wall_work_};
+    if (step == 0) {
+        initial_kinetic_ = energy.kinetic;
+    }
+    if (simulation_.scene().output.measures.energy) {
+        auto sums = simulation_.energy(); // the parts of all ranks are added up in a copy, and go on growing
+        sums.for_each_sum([&](ExactSum& s) { simulation_.comm().sum(s.limbs()); });
+        const EnergyBudget budget = sums.budget();
+        const double lost = budget.friction + budget.impact + budget.cohesion;
+        const double error =
+            energy.kinetic - initial_kinetic_ - (budget.gravity + budget.theta_term + wall_work_ - lost);
+        row.insert(row.end(),
+                   {budget.gravity, budget.friction, budget.impact, budget.cohesion, budget.theta_term, error});
+    }
+    if (simulation_.comm().is_root()) {
+        series_.energy->append(step, time, row);
+    }
 }
 
 void Recorder::write_cells(std::int64_t step, double time, double h) {

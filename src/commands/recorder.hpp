@@ -53,6 +53,7 @@ private:
         std::unique_ptr<SeriesWriter> front, energy, solver;
     };
 
+    void write_energy(std::int64_t step, double time);
     void write_cells(std::int64_t step, double time, double h);
     void write_walls(std::int64_t step, double time, double h);
     void write_scene();
@@ -65,7 +66,8 @@ private:
     Series series_;                    ///< on the root only
     std::vector<CellShape<2>> initial_;
     double bed_ = 0;
-    double wall_work_ = 0;
+    double wall_work_ = 0;       ///< since loading started [J]
+    double initial_kinetic_ = 0; ///< when loading started [J]
     Overlaps overlaps_;
     double largest_overlap_ = 0;
     int n_frames_ = 0;

@@ -35,7 +35,8 @@ public:
             for (int d = 0; d < D; ++d) {
                 tile_walls_[w * D + static_cast<std::size_t>(d)] -= r[d];
             }
-            tile_work_ += r.dot(walls_.v[w]);
+            // Of the kinetic energy's change, which is exact with the mean of both velocities.
+            tile_work_ += r.dot(0.5 * (walls_.v_old[w] + walls_.v[w]));
             any_ = true;
         }
     }

@@ -43,6 +43,7 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     total_mass_ = mass.value();
 
     walls_ = Walls<D>(scene_.walls);
+    energy_wanted_ = false;
     stage_start_ = 0;
     stage_steps_ = 0;
     // Nothing that is reported may tell a sample made in this run from one found in the store.
@@ -107,6 +108,8 @@ void Simulation<D>::mark_cells() {
         state_.cells[i] = bits;
     }
     find_reported_tiles();
+    energy_wanted_ = scene_.output.measures.energy;
+    energy_.clear();
 }
 
 template <int D>

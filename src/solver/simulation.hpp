@@ -3,6 +3,7 @@
 
 #include "core/contact_set.hpp"
 #include "core/contact_sums.hpp"
+#include "core/energy_sums.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "core/stopwatch.hpp"
@@ -53,7 +54,8 @@ public:
     /// whether the one before it was computed or its result loaded.
     void start_stage(int stage);
 
-    /// **Collective.** Marks the grains inside the scene's cells; called when loading starts.
+    /// **Collective.** Marks the grains inside the scene's cells and starts its energy budget, if it wants one; called
+    /// when loading starts.
     void mark_cells();
 
     /// **Collective.** Advances by the stage's h. @param outside bits of the caller, >= flag::outside_first
@@ -81,6 +83,8 @@ public:
     const ContactsOf<D>& contacts() const { return contacts_; }
     const Counters& counters() const { return counters_; }
     ContactSums<D>& sums() { return sums_; }
+    /// This rank's part, since `mark_cells`, if the scene wants an energy budget.
+    const EnergySums<D>& energy() const { return energy_; }
     Stopwatch& watch() { return watch_; }
     const SolverSettings& settings() const { return scene_.stages[static_cast<std::size_t>(stage_)].solver; }
     int stage() const { return stage_; }
@@ -108,6 +112,7 @@ private:
     std::uint32_t check(double h, const PackFaults& faults);
     void integrate(double h);
     void collect();
+    void collect_energy(double h);
     void find_reported_tiles();
 
     void rebuild();
@@ -135,6 +140,8 @@ private:
     ContactsOf<D> contacts_;
     Nsgs<D> solver_;
     ContactSums<D> sums_;
+    EnergySums<D> energy_;
+    bool energy_wanted_ = false;
     Counters counters_;
 
     double r_max_ = 0, mean_radius_ = 0, total_mass_ = 0, skin_ = 0;

@@ -79,6 +79,9 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
         }
     }
     collect();
+    if (energy_wanted_) {
+        collect_energy(h);
+    }
     integrate(h);
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
 }
