@@ -45,7 +45,7 @@ class Files(NappeTest):
     def test_names(self):
         series = ["cell-W1", "cell-W2", "energy", "front", "solver", "wall-floor", "wall-piston", "wall-right"]
         frames = [f"frames/frame-{step:08}.hdf" for step in (0, 30, 60)]
-        others = ["contacts.xdmf", "run.xdmf", "summary.json"]
+        others = ["contacts.xdmf", "run.xdmf", "scene.toml", "summary.json"]
         self.assertEqual(self.fold.files(), sorted([*others, *frames, *(f"series/{s}.csv" for s in series)]))
 
     def test_summary_has_what_scripts_rely_on(self):

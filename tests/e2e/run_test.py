@@ -22,7 +22,7 @@ class CommandLine(NappeTest):
         result = call(["--help"])
         self.assertEqual(result.code, DONE)
         codes = ("0 done", "1 anything else", "2 bad input", "3 stopped early", "4 numerical failure")
-        for word in ("run", "check", *codes):
+        for word in ("run", "check", "measure", *codes):
             self.assertIn(word, result.out)
         result = call(["run", "--help"])
         self.assertEqual(result.code, DONE)
@@ -227,7 +227,7 @@ class OldResults(NappeTest):
         second = call(["run", FOLD, "--out", out, "--samples", self.folder / "other",
                        *sets(stages__settle__until__at_most=0.001)])
         self.assertEqual(second.code, NUMERICAL, second)
-        for name in ("summary.json", "run.xdmf", "contacts.xdmf"):
+        for name in ("summary.json", "run.xdmf", "contacts.xdmf", "scene.toml"):
             self.assertFalse((out / name).exists(), name)
 
 
