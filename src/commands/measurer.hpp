@@ -1,6 +1,6 @@
 #pragma once
-// Measures of a run's frames (docs/measures.md), the same whether they are taken while the run goes on or afterwards from
-// its stored frames, and on any number of ranks.
+// Measures of a run's frames (docs/measures.md), the same whether they are taken while the run goes on or afterwards
+// from its stored frames, and on any number of ranks.
 
 #include "core/measures/set_measures.hpp"
 #include "core/scene.hpp"
@@ -18,8 +18,8 @@ public:
     /// SystemError on all ranks.
     Measurer(const Communicator& comm, const Scene<2>& scene, const std::filesystem::path& folder);
 
-    /// **Collective.** One row in every series. Frames come in the order of time, that of step 0 first: sets of grains are
-    /// what they are then. Throws InputError if the first is another or empty, SystemError; on all ranks.
+    /// **Collective.** One row in every series. Frames come in the order of time, that of step 0 first: sets of grains
+    /// are what they are then. Throws InputError if the first is another or empty, SystemError; on all ranks.
     void measure(const FrameBlock<2>& frame);
 
     /// **Collective.** Ends the series. Throws SystemError on all ranks if any row of them could not be written.

@@ -1,7 +1,7 @@
 #pragma once
-// Where the energy of a step goes, exactly, however well its contacts converged (docs/measures.md, "Energy"). With v̄ the
-// mean of a velocity before and after the step, m (v'² − v²)/2 = m (v' − v)·v̄, and the step's equation of motion says
-// what m (v' − v) is. By tile in the order of grains and candidates, then exactly, so that ranks do not matter.
+// Where the energy of a step goes, exactly, however well its contacts converged (docs/measures.md, "Energy"). With v̄
+// the mean of a velocity before and after the step, m (v'² − v²)/2 = m (v' − v)·v̄, and the step's equation of motion
+// says what m (v' − v) is. By tile in the order of grains and candidates, then exactly, so that ranks do not matter.
 
 #include "core/exact_sum.hpp"
 #include "core/state.hpp"

@@ -12,9 +12,9 @@ namespace nappe {
 /// Reads a frame: each rank the rows of its block of ids. Collective over comm.
 ///
 /// Each rank opens the file for itself. What is read must be a frame of this scene: ids 0 … n-1 in their order, finite
-/// positions, velocities and impulses, positive radii and masses, contacts in the order of (lo, hi) between grains of the
-/// frame or with walls of the scene. A frame has no checksum: a number that was changed and still makes sense is not
-/// found. Throws InputError on all ranks alike, with the rule, the value found and the remedy.
+/// positions, velocities and impulses, positive radii and masses, contacts in the order of (lo, hi) between grains of
+/// the frame or with walls of the scene. A frame has no checksum: a number that was changed and still makes sense is
+/// not found. Throws InputError on all ranks alike, with the rule, the value found and the remedy.
 ///
 /// @param step what the file's name says @param wall_names of Scene::walls
 template <int D>

@@ -1,4 +1,5 @@
-// The energy of a step, for scenes that ask for it (output.measures.energy): it visits every grain and contact once more.
+// The energy of a step, for scenes that ask for it (output.measures.energy): it visits every grain and contact once
+// more.
 
 #include "solver/simulation.hpp"
 

@@ -107,10 +107,10 @@ bool is_inner(const Row& g, double half) {
 }
 
 /// Every grain of radius r touches four at distance 2 r, with forces f_x along x and f_y along y, in (2 r)² of room:
-/// sum f ⊗ arm = diag(2 f_x r, 2 f_y r), so sigma = diag(f_x, f_y) / (2 r). Two contacts a grain (four halves), one along
-/// each axis: the fabric is the same both ways, 1/(2 r)². The field at a centre is the lattice sum of a kernel that is
-/// smooth on the scale of the lattice: Poisson's formula leaves 4 Ŵ(2 pi/d) of the mean as largest error, and Ŵ falls
-/// with the power 4.5 of d/w: some 1e-4 at w = 5 d.
+/// sum f ⊗ arm = diag(2 f_x r, 2 f_y r), so sigma = diag(f_x, f_y) / (2 r). Two contacts a grain (four halves), one
+/// along each axis: the fabric is the same both ways, 1/(2 r)². The field at a centre is the lattice sum of a kernel
+/// that is smooth on the scale of the lattice: Poisson's formula leaves 4 Ŵ(2 pi/d) of the mean as largest error, and Ŵ
+/// falls with the power 4.5 of d/w: the first terms give 3e-4 at w = 5 d.
 TEST(Sets, SquareLattice) {
     const double r = 0.25, d = 2 * r, fx = 3e3, fy = 5e3;
     constexpr int n = 25;
@@ -137,7 +137,7 @@ TEST(Sets, SquareLattice) {
     EXPECT_EQ(f.coordination, 4);
     EXPECT_EQ(f.coordination_backbone, 4);
     EXPECT_EQ(f.rattlers, 0);
-    EXPECT_NEAR(f.solid_fraction, pi / 4, 2e-3 * pi / 4);
+    EXPECT_NEAR(f.solid_fraction, pi / 4, 5e-4 * pi / 4);
     EXPECT_EQ(f.lambda_x, 1);
 }
 
@@ -167,12 +167,12 @@ TEST(Sets, HexagonalLattice) {
     EXPECT_NEAR(f.fabric_1, 1.5 / (2 * std::sqrt(3.0) * r * r), 1e-12);
     EXPECT_NEAR(f.anisotropy_normalised, 0, 1e-14);
     EXPECT_EQ(f.coordination, 6);
-    EXPECT_NEAR(f.solid_fraction, pi / (2 * std::sqrt(3.0)), 2e-3); // as above
+    EXPECT_NEAR(f.solid_fraction, pi / (2 * std::sqrt(3.0)), 5e-4); // as above
 }
 
-/// One contact at angle a between centres 0.5 apart: sum f ⊗ arm = 0.5 (f_n n + f_t t) ⊗ n, symmetrised
-/// 0.5 (f_n n ⊗ n + f_t (t ⊗ n + n ⊗ t) / 2): p = 0.5 f_n / 2V, q = 0.5 sqrt(f_n² + f_t²) / 2V, and the larger principal
-/// stress is turned by atan(f_t / f_n) / 2 from n.
+/// One contact at angle a between centres 0.5 apart: sum f ⊗ arm = 0.5 (f_n n + f_t t) ⊗ n, symmetrised 0.5 (f_n n ⊗ n
+/// + f_t (t ⊗ n + n ⊗ t) / 2): p = 0.5 f_n / 2V, q = 0.5 sqrt(f_n² + f_t²) / 2V, and the larger principal stress is
+/// turned by atan(f_t / f_n) / 2 from n.
 TEST(Sets, PairThatIsTurned) {
     const double volume = pi * (0.04 + 0.09) / 0.8, f_n = 40, f_t = 9;
     for (const double degrees : {-89.0, -60.0, -10.0, 0.0, 30.0, 77.0, 90.0}) {
@@ -244,7 +244,8 @@ TEST(Sets, SolidFractionOfGrainsThatAreAlone) {
 class RingWithTail : public testing::Test {
 protected:
     RingWithTail() {
-        // By number: tail 0 1 2 3, ring 4 5 6, chain 7 8, on the wall 9, alone 10. They need not stand where they touch.
+        // By number: tail 0 1 2 3, ring 4 5 6, chain 7 8, on the wall 9, alone 10. They need not stand where they
+        // touch.
         for (int k = 0; k < 11; ++k) {
             packing.grain(k, k % 2, 0.5);
         }

@@ -64,8 +64,8 @@ TEST(Energy, ImpactOfAHeadOnMeeting) {
     EXPECT_NEAR(counted.error(), 0, 1e-12 * m * v * v);
 }
 
-/// A wall that starts at V takes the disk in front of it along: all its work is the disk's m V²/2, none is lost. (By the
-/// wall's new velocity alone it would be m V².) Stopping, it loses the disk and does no more.
+/// A wall that starts at V takes the disk in front of it along: all its work is the disk's m V²/2, none is lost. (By
+/// the wall's new velocity alone it would be m V².) Stopping, it loses the disk and does no more.
 TEST(Energy, WorkOfAWallThatStartsAndStops) {
     const double speed = 0.8;
     Motion<2> motion;
@@ -107,9 +107,9 @@ struct Case {
 class Balance : public testing::TestWithParam<Case> {};
 
 /// A deposit falls together in a box one of whose walls is pushed in, stops and is never pushed back. Few sweeps: the
-/// balance asks for no convergence. Tolerance: each relaxation rounds a velocity once, some 1e2 relaxations of a grain a
-/// step, each by up to 1e-16 of it: 1e-14 of the energy that passes through a step, and steps add up at most linearly, as
-/// works do. 1e-12 of all work leaves a factor of a hundred for parts that cancel within a step.
+/// balance asks for no convergence. Tolerance: each relaxation rounds a velocity once, some 1e2 relaxations of a grain
+/// a step, each by up to 1e-16 of it: 1e-14 of the energy that passes through a step, and steps add up at most
+/// linearly, as works do. 1e-12 of all work leaves a factor of a hundred for parts that cancel within a step.
 TEST_P(Balance, ClosesToRoundOff) {
     const auto& with = GetParam();
     SceneBuilder builder(0.4, with.restitution);

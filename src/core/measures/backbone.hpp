@@ -1,6 +1,6 @@
 #pragma once
-// Which grains carry a packing: rattlers, held by fewer than two contacts, are taken away with their contacts until none
-// is left (what remains is the 2-core of the contacts' graph: the order of taking has no influence). Walls stay.
+// Which grains carry a packing: rattlers, held by fewer than two contacts, are taken away with their contacts until
+// none is left (what remains is the 2-core of the contacts' graph: the order of taking has no influence). Walls stay.
 
 #include "core/measures/grain_loads.hpp"
 
@@ -13,13 +13,13 @@ namespace nappe {
 /// have nothing to tell. Every member is Local.
 class Backbone {
 public:
-    /// @param first id of the block's first grain @param n grains of the block @param sides of contacts of these grains,
-    /// sorted by (grain, partner); those that carry no impulse do not count
+    /// @param first id of the block's first grain @param n grains of the block @param sides of contacts of these
+    /// grains, sorted by (grain, partner); those that carry no impulse do not count
     template <int D>
     Backbone(GlobalId first, std::size_t n, std::span<const ContactSide<D>> sides);
 
-    /// Takes rattlers away as long as the block has any. @returns for each contact with a grain of another block that is
-    /// gone with them, that grain; empty: nothing to tell.
+    /// Takes rattlers away as long as the block has any. @returns for each contact with a grain of another block that
+    /// is gone with them, that grain; empty: nothing to tell.
     std::vector<GlobalId> take_rattlers();
 
     /// A contact of a grain of this block is gone, since its partner was taken away elsewhere.

@@ -35,8 +35,8 @@ ContactSide<D> side_of_hi(const FrameContact<D>& contact);
 /// wholly, so that these are additive: over all grains they give the sums over all contacts.
 template <int D>
 struct GrainLoad {
-    /// Sum of r ⊗ (x_i − x_c), the arm x_i − x_c being radius × n as in the dynamics (core/contact_sums.hpp); compression
-    /// positive [N m s].
+    /// Sum of r ⊗ (x_i − x_c), the arm x_i − x_c being radius × n as in the dynamics (core/contact_sums.hpp);
+    /// compression positive [N m s].
     Tensor<D> moment = Tensor<D>::Zero();
     Tensor<D> fabric = Tensor<D>::Zero(); ///< of n ⊗ n over contacts that carry an impulse, by their share
     double share = 0;                     ///< of contacts that carry an impulse: halves and wholes

@@ -44,8 +44,8 @@ struct SetFigures {
     std::array<double, 17> values() const;
 };
 
-/// Adds up the grains of one set. All members are Local; between `add` and `figures` ranks sum up `for_each_sum`, `counts`
-/// and take the maximum of `extremes`.
+/// Adds up the grains of one set. All members are Local; between `add` and `figures` ranks sum up `for_each_sum`,
+/// `counts` and take the maximum of `extremes`.
 template <int D>
 class SetSums {
 public:
