@@ -98,6 +98,9 @@ std::vector<FrameContact<D>> read_contacts(const Hdf5Reader& file, std::int64_t 
     rows.fill<double>("/contacts/r_t", D - 1, contacts,
                       [](Row& c, const double* r) { std::copy_n(r, D - 1, c.r_t.data()); });
     rows.fill<std::int32_t>("/contacts/status", contacts, [](Row& c, std::int32_t status) { c.status = status; });
+    if (file.has("/contacts/bond")) {
+        rows.fill<std::int32_t>("/contacts/bond", contacts, [](Row& c, std::int32_t bond) { c.bond = bond; });
+    }
     return contacts;
 }
 
@@ -181,6 +184,7 @@ FrameBlock<D> read_part(const Communicator& comm, const std::filesystem::path& p
     frame.grains = read_grains<D>(file, frame.blocks.first(r), frame.blocks.count(r));
     frame.contacts = read_contacts<D>(file, cut.first(r), cut.count(r));
     frame.walls = read_walls<D>(file, wall_names);
+    frame.with_bonds = file.has("/contacts/bond");
     check_grains(frame.grains, frame.blocks.first(r));
     check_contacts(frame.contacts, frame.blocks.n, wall_names.size());
     return frame;

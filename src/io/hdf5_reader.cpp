@@ -30,6 +30,10 @@ T scalar(const Hdf5Handle& file, const std::string& object, const std::string& a
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : file_(open_to_read(path.string())) {}
 
+bool Hdf5Reader::has(const std::string& path) const {
+    return H5Lexists(file_.get(), path.c_str(), H5P_DEFAULT) > 0;
+}
+
 std::int64_t Hdf5Reader::rows(const std::string& dataset) const {
     return dataset_rows(file_, dataset);
 }

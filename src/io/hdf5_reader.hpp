@@ -15,6 +15,8 @@ class Hdf5Reader {
 public:
     explicit Hdf5Reader(const std::filesystem::path& path);
 
+    /// Whether the file has a dataset or group of this path; the groups above it must be there.
+    bool has(const std::string& path) const;
     std::int64_t rows(const std::string& dataset) const;
 
     /// Rows [first, first + rows), by rows; the dataset must have T's type and this many columns.
