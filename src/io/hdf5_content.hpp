@@ -44,6 +44,9 @@ struct Hdf5Dataset {
     int columns = 1;
     RowRange range;
     std::vector<std::byte> bytes; ///< range.rows x columns elements, by rows
+    /// Of an image in the plane: a row is a row of so many nodes, and the dataset has the dimensions that VTKHDF wants,
+    /// 1 x total x width, and columns / width components as a fourth if that is not one. 0: a table.
+    int image_width = 0;
 
     std::size_t row_bytes() const { return element_bytes(type) * static_cast<std::size_t>(columns); }
 };
@@ -52,7 +55,8 @@ struct Hdf5Dataset {
 struct Hdf5Attribute {
     std::string object; ///< a group or dataset; "/" is the file
     std::string name;
-    std::variant<std::int64_t, std::uint64_t, double, std::string, std::vector<std::int64_t>> value;
+    std::variant<std::int64_t, std::uint64_t, double, std::string, std::vector<std::int64_t>, std::vector<double>>
+        value;
 };
 
 struct Hdf5Content {

@@ -3,7 +3,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <array>
+#include <vector>
 
 namespace nappe {
 
@@ -12,16 +12,42 @@ namespace {
 /// MPI-IO counts bytes in an int.
 constexpr std::size_t piece_bytes = std::size_t{1} << 28;
 
+/// Sizes along each dimension, and which of them counts rows: the first, but the second of an image (hdf5_content.hpp).
+struct Extent {
+    std::vector<hsize_t> size;
+    std::size_t row = 0;
+
+    hsize_t rows() const { return size[row]; }
+    hsize_t columns() const {
+        hsize_t product = 1;
+        for (std::size_t d = row + 1; d < size.size(); ++d) {
+            product *= size[d];
+        }
+        return product;
+    }
+};
+
+Extent extent(const Hdf5Handle& space, const std::string& path) {
+    const int n_dimensions = H5Sget_simple_extent_ndims(space.get());
+    if (n_dimensions < 1 || n_dimensions > 4) {
+        throw Hdf5Failure("dataset " + path + " is neither a table nor an image");
+    }
+    Extent extent{std::vector<hsize_t>(static_cast<std::size_t>(n_dimensions)), n_dimensions > 2 ? 1u : 0u};
+    H5Sget_simple_extent_dims(space.get(), extent.size.data(), nullptr);
+    return extent;
+}
+
 /// Calls io(memory space, file space, byte offset) for piece after piece of rows [first, first + rows).
 template <class Io>
-void for_each_piece(const Hdf5Handle& file_space, std::size_t row_bytes, int columns, std::int64_t first,
+void for_each_piece(const Hdf5Handle& file_space, const Extent& extent, std::size_t row_bytes, std::int64_t first,
                     std::int64_t rows, Io io) {
-    const int n_dimensions = columns == 1 ? 1 : 2;
+    const auto n_dimensions = static_cast<int>(extent.size.size());
     const auto per_piece = std::max<std::int64_t>(1, static_cast<std::int64_t>(piece_bytes / row_bytes));
     for (std::int64_t at = 0; at < rows; at += per_piece) {
-        const std::array<hsize_t, 2> start{static_cast<hsize_t>(first + at), 0};
-        const std::array<hsize_t, 2> count{static_cast<hsize_t>(std::min(per_piece, rows - at)),
-                                           static_cast<hsize_t>(columns)};
+        std::vector<hsize_t> start(extent.size.size(), 0);
+        auto count = extent.size;
+        start[extent.row] = static_cast<hsize_t>(first + at);
+        count[extent.row] = static_cast<hsize_t>(std::min(per_piece, rows - at));
         const Hdf5Handle memory(H5Screate_simple(n_dimensions, count.data(), nullptr), H5Sclose, "no data space");
         hdf5_check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
                    "rows beyond the dataset");
@@ -36,17 +62,6 @@ Hdf5Handle space_of(const Hdf5Handle& dataset) {
 Hdf5Handle open_dataset(const Hdf5Handle& file, const std::string& path) {
     return Hdf5Handle(H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), H5Dclose,
                       "dataset " + path + " can not be opened");
-}
-
-/// Rows and columns; a dataset of one dimension has one column.
-std::array<hsize_t, 2> extent(const Hdf5Handle& space, const std::string& path) {
-    std::array<hsize_t, 2> size{0, 1};
-    const int n_dimensions = H5Sget_simple_extent_ndims(space.get());
-    if (n_dimensions != 1 && n_dimensions != 2) {
-        throw Hdf5Failure("dataset " + path + " is not a table");
-    }
-    H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
-    return size;
 }
 
 } // namespace
@@ -70,7 +85,8 @@ Hdf5Handle::Id native_type(ElementType type) {
 void write_slab(const Hdf5Handle& file, const Hdf5Dataset& rows) {
     const auto dataset = open_dataset(file, rows.path);
     const auto type = native_type(rows.type);
-    for_each_piece(space_of(dataset), rows.row_bytes(), rows.columns, rows.range.first, rows.range.rows,
+    const auto space = space_of(dataset);
+    for_each_piece(space, extent(space, rows.path), rows.row_bytes(), rows.range.first, rows.range.rows,
                    [&](hid_t memory, hid_t in_file, std::size_t at) {
                        hdf5_check(H5Dwrite(dataset.get(), type, memory, in_file, H5P_DEFAULT, rows.bytes.data() + at),
                                   "writing " + rows.path + " fails");
@@ -83,13 +99,13 @@ std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path
     const Hdf5Handle stored(H5Dget_type(dataset.get()), H5Tclose, "dataset " + path + " has no type");
     const auto space = space_of(dataset);
     const auto size = extent(space, path);
-    if (H5Tequal(stored.get(), native_type(type)) <= 0 || size[1] != static_cast<hsize_t>(columns) || first < 0 ||
-        rows < 0 || static_cast<hsize_t>(first + rows) > size[0]) {
+    if (H5Tequal(stored.get(), native_type(type)) <= 0 || size.columns() != static_cast<hsize_t>(columns) ||
+        first < 0 || rows < 0 || static_cast<hsize_t>(first + rows) > size.rows()) {
         throw Hdf5Failure("dataset " + path + " has another type or size than expected");
     }
     const auto row_bytes = element_bytes(type) * static_cast<std::size_t>(columns);
     std::vector<std::byte> bytes(static_cast<std::size_t>(rows) * row_bytes);
-    for_each_piece(space, row_bytes, columns, first, rows, [&](hid_t memory, hid_t in_file, std::size_t at) {
+    for_each_piece(space, size, row_bytes, first, rows, [&](hid_t memory, hid_t in_file, std::size_t at) {
         hdf5_check(H5Dread(dataset.get(), native_type(type), memory, in_file, H5P_DEFAULT, bytes.data() + at),
                    "reading " + path + " fails");
     });
@@ -104,7 +120,7 @@ Hdf5Handle open_to_read(const std::string& path) {
 }
 
 std::int64_t dataset_rows(const Hdf5Handle& file, const std::string& path) {
-    return static_cast<std::int64_t>(extent(space_of(open_dataset(file, path)), path)[0]);
+    return static_cast<std::int64_t>(extent(space_of(open_dataset(file, path)), path).rows());
 }
 
 } // namespace nappe

@@ -9,7 +9,6 @@
 #include <hdf5.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <fcntl.h>
 #include <string>
@@ -18,9 +17,23 @@ namespace nappe {
 
 namespace {
 
+std::vector<hsize_t> dimensions(const Hdf5Dataset& dataset) {
+    const auto rows = static_cast<hsize_t>(dataset.range.total);
+    std::vector<hsize_t> size{rows};
+    int columns = dataset.columns;
+    if (dataset.image_width > 0) {
+        size = {1, rows, static_cast<hsize_t>(dataset.image_width)};
+        columns /= dataset.image_width;
+    }
+    if (columns > 1) {
+        size.push_back(static_cast<hsize_t>(columns));
+    }
+    return size;
+}
+
 Hdf5Handle create_dataset(const Hdf5Handle& file, const Hdf5Dataset& dataset, const Hdf5Handle& links) {
-    const std::array<hsize_t, 2> size{static_cast<hsize_t>(dataset.range.total), static_cast<hsize_t>(dataset.columns)};
-    const Hdf5Handle space(H5Screate_simple(dataset.columns == 1 ? 1 : 2, size.data(), nullptr), H5Sclose,
+    const auto size = dimensions(dataset);
+    const Hdf5Handle space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose,
                            "no data space");
     const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "no property list");
     // Every row has its place in the file from the start; all are written, so filling them first would only cost time.
@@ -56,10 +69,16 @@ void write_attribute(const Hdf5Handle& file, const Hdf5Attribute& attribute) {
         hdf5_check(H5Tset_cset(type.get(), ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8), what);
         put(type.get(), scalar, text->c_str());
     } else {
-        const auto& list = std::get<std::vector<std::int64_t>>(attribute.value);
-        const auto length = static_cast<hsize_t>(list.size());
-        const Hdf5Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose, "no data space");
-        put(H5T_NATIVE_INT64, space, list.data());
+        const auto put_list = [&](hid_t type, const auto& list) {
+            const auto length = static_cast<hsize_t>(list.size());
+            const Hdf5Handle space(H5Screate_simple(1, &length, nullptr), H5Sclose, "no data space");
+            put(type, space, list.data());
+        };
+        if (const auto* numbers = std::get_if<std::vector<double>>(&attribute.value)) {
+            put_list(H5T_NATIVE_DOUBLE, *numbers);
+        } else {
+            put_list(H5T_NATIVE_INT64, std::get<std::vector<std::int64_t>>(attribute.value));
+        }
     }
 }
 

@@ -106,50 +106,23 @@ template <int D>
 Surface free_surface(const Simulation<D>& simulation, double bin) {
     const auto& state = simulation.state();
     constexpr std::int64_t none = std::numeric_limits<std::int64_t>::min();
-    const auto bin_of = [&](LocalId i) { return static_cast<std::int64_t>(std::floor(state.x[i][0] / bin)); };
     std::int64_t last = none, first_negated = none;
     for (LocalId i = 0; i < state.n_own; ++i) {
-        last = std::max(last, bin_of(i));
-        first_negated = std::max(first_negated, -bin_of(i));
+        last = std::max(last, bin_of(state.x[i][0], bin));
+        first_negated = std::max(first_negated, -bin_of(state.x[i][0], bin));
     }
     const auto& comm = simulation.comm();
     last = comm.max(last);
     first_negated = comm.max(first_negated);
-    Surface surface;
-    surface.bin = bin;
-    if (last == none || last + first_negated > 1'000'000) {
+    Surface surface = empty_surface(bin, last == none ? 0 : -first_negated, last);
+    if (surface.height.empty()) {
         return surface;
     }
-    surface.first_bin = -first_negated;
-    surface.height.assign(static_cast<std::size_t>(last - surface.first_bin + 1),
-                          -std::numeric_limits<double>::infinity());
     for (LocalId i = 0; i < state.n_own; ++i) {
-        double& height = surface.height[static_cast<std::size_t>(bin_of(i) - surface.first_bin)];
-        height = std::max(height, state.x[i][1] + state.radius[i]);
+        raise_surface(surface, state.x[i][0], state.x[i][1] + state.radius[i]);
     }
     comm.max(std::span(surface.height));
     return surface;
-}
-
-double front_position(const Surface& surface, double bed, double rise) {
-    for (std::size_t k = surface.height.size(); k-- > 0;) {
-        if (surface.height[k] > bed + rise) {
-            return (static_cast<double>(surface.first_bin) + static_cast<double>(k) + 0.5) * surface.bin;
-        }
-    }
-    return std::numeric_limits<double>::quiet_NaN();
-}
-
-double median_height(const Surface& surface) {
-    std::vector<double> heights;
-    std::copy_if(surface.height.begin(), surface.height.end(), std::back_inserter(heights),
-                 [](double h) { return std::isfinite(h); });
-    if (heights.empty()) {
-        return 0;
-    }
-    const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-    std::nth_element(heights.begin(), middle, heights.end());
-    return *middle;
 }
 
 template <int D>

@@ -1,6 +1,7 @@
 #pragma once
 // What is read off a running scene between steps; every figure is the same on any number of ranks.
 
+#include "core/measures/surface.hpp"
 #include "core/rows.hpp"
 #include "solver/simulation.hpp"
 
@@ -40,22 +41,9 @@ struct CellShape {
 template <int D>
 std::vector<CellShape<D>> cell_shapes(const Simulation<D>& simulation);
 
-/// The free surface: highest point of any grain, per bin of width `bin` along x.
-struct Surface {
-    std::int64_t first_bin = 0; ///< bin k covers [k bin, (k+1) bin)
-    double bin = 0;             ///< [m]
-    std::vector<double> height; ///< [m]; -infinity where there is no grain
-};
-
 /// **Collective.** Empty if there is no grain, or if grains lie farther apart than a million bins.
 template <int D>
 Surface free_surface(const Simulation<D>& simulation, double bin);
-
-/// Middle of the last bin in which the surface stands more than `rise` above `bed`; NaN if there is none [m].
-double front_position(const Surface& surface, double bed, double rise);
-
-/// Median height of the bins that hold grains: the bed, where a wedge covers less than half of it [m].
-double median_height(const Surface& surface);
 
 /// **Collective.** This rank's rows of a frame.
 template <int D>

@@ -1,0 +1,127 @@
+#include "core/measures/trishear.hpp"
+
+#include <unsupported/Eigen/NonLinearOptimization>
+#include <unsupported/Eigen/NumericalDiff>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace nappe {
+
+namespace {
+
+/// A number in (low, high) as one that may be anything, and back: even in its logarithm, since both span decades.
+double bounded(double free, double low, double high) {
+    return low * std::pow(high / low, 1 / (1 + std::exp(-free)));
+}
+
+double freed(double value, double low, double high) {
+    const double share = std::log(value / low) / std::log(high / low);
+    return std::log(share / (1 - share));
+}
+
+/// The residuals of the fit as Eigen's Levenberg–Marquardt wants them: unknowns are the tip over the length, m and s freed.
+class Misfit {
+public:
+    using Scalar = double;
+    using InputType = Eigen::VectorXd;
+    using ValueType = Eigen::VectorXd;
+    using JacobianType = Eigen::MatrixXd;
+    enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
+
+    Misfit(std::span<const VelocityAt> data, const Vec<2>& drive, const Vec<2>& tip, double length,
+           const TrishearBounds& bounds)
+        : data_(data), drive_(drive), tip_(tip), length_(length), bounds_(bounds) {}
+
+    int inputs() const { return 4; }
+    int values() const { return static_cast<int>(2 * data_.size()); }
+
+    Trishear model(const InputType& p) const {
+        return {tip_ + length_ * Vec<2>(p[0], p[1]), bounded(p[2], bounds_.least_m, bounds_.largest_m),
+                bounded(p[3], bounds_.least_s, bounds_.largest_s)};
+    }
+
+    InputType start(double m, double s) const {
+        InputType p(4);
+        p << 0, 0, freed(m, bounds_.least_m, bounds_.largest_m), freed(s, bounds_.least_s, bounds_.largest_s);
+        return p;
+    }
+
+    int operator()(const InputType& p, ValueType& differences) const {
+        const auto guess = model(p);
+        const double speed = drive_.norm();
+        for (std::size_t k = 0; k < data_.size(); ++k) {
+            const Vec<2> v = trishear_velocity(guess, drive_, {data_[k].x[0], data_[k].x[1]});
+            const auto row = static_cast<Eigen::Index>(2 * k);
+            differences[row] = (v[0] - data_[k].v[0]) / speed;
+            differences[row + 1] = (v[1] - data_[k].v[1]) / speed;
+        }
+        return 0;
+    }
+
+    /// Root mean square of |v - model| over |V0|.
+    double residual(const InputType& p) const {
+        ValueType differences(values());
+        (*this)(p, differences);
+        return std::sqrt(differences.squaredNorm() / static_cast<double>(data_.size()));
+    }
+
+private:
+    std::span<const VelocityAt> data_;
+    Vec<2> drive_, tip_;
+    double length_;
+    TrishearBounds bounds_;
+};
+
+} // namespace
+
+Vec<2> trishear_velocity(const Trishear& model, const Vec<2>& drive, const Vec<2>& x) {
+    const double speed = drive.norm();
+    const Vec<2> along = drive / speed;
+    const Vec<2> up = along[0] >= 0 ? Vec<2>(-along[1], along[0]) : Vec<2>(along[1], -along[0]);
+    const double xi = along.dot(x - model.tip);
+    const double eta = up.dot(x - model.tip);
+    if (std::abs(eta) >= model.m * xi) {
+        return eta >= 0 ? drive : Vec<2>(Vec<2>::Zero());
+    }
+    const double u = std::abs(eta) / (model.m * xi);
+    const double turn = std::pow(u, 1 / model.s);
+    const double v_xi = speed / 2 * (std::copysign(turn, eta) + 1);
+    const double v_eta = speed / 2 * model.m / (1 + model.s) * (u * turn - 1);
+    return v_xi * along + v_eta * up;
+}
+
+TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const Vec<2>& tip, double length,
+                         const TrishearBounds& bounds) {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    const TrishearFit nothing{{{unknown, unknown}, unknown, unknown}, unknown};
+    if (data.size() < 8 || !(drive.norm() > 0)) {
+        return nothing;
+    }
+    const Misfit misfit(data, drive, tip, length, bounds);
+    using Start = std::pair<double, Eigen::VectorXd>;
+    std::vector<Start> starts;
+    for (const double m : {0.2, 0.6, 1.5}) {
+        for (const double s : {1.3, 4.0}) {
+            starts.emplace_back(misfit.residual(misfit.start(m, s)), misfit.start(m, s));
+        }
+    }
+    std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.first < b.first; });
+    TrishearFit best = nothing;
+    for (std::size_t k = 0; k < 3; ++k) {
+        Eigen::NumericalDiff<Misfit> with_slopes(misfit);
+        Eigen::LevenbergMarquardt<Eigen::NumericalDiff<Misfit>> solver(with_slopes);
+        solver.parameters.maxfev = 400;
+        Eigen::VectorXd p = starts[k].second;
+        solver.minimize(p);
+        const double residual = misfit.residual(p);
+        if (residual < best.residual || (std::isnan(best.residual) && std::isfinite(residual))) {
+            best = {misfit.model(p), residual};
+        }
+    }
+    return best;
+}
+
+} // namespace nappe
