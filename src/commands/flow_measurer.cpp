@@ -36,10 +36,16 @@ Hdf5Dataset image(const std::string& name, const FieldSlab& fields, int componen
     for (std::size_t k = 0; k < fields.nodes.size(); ++k) {
         get(k, values.data() + k * static_cast<std::size_t>(components));
     }
+    const auto n = values.size();
+    values.resize(image_layers * n);
+    for (std::size_t layer = 1; layer < image_layers; ++layer) {
+        std::copy_n(values.begin(), n, values.begin() + static_cast<std::ptrdiff_t>(layer * n));
+    }
     const RowRange rows{fields.rows.first, fields.rows.count, fields.grid.n_y};
     return numbers_dataset("/VTKHDF/PointData/" + name, rows, components * n_x, values, n_x);
 }
 
+/// The slab lies behind the plane of the grains, its front on it.
 void add_image(const FieldSlab& fields, Hdf5Content& content) {
     const auto& nodes = fields.nodes;
     auto& sets = content.datasets;
@@ -58,8 +64,9 @@ void add_image(const FieldSlab& fields, Hdf5Content& content) {
     auto& attributes = content.attributes;
     attributes.push_back({"/VTKHDF", "Version", std::vector<std::int64_t>{1, 0}});
     attributes.push_back({"/VTKHDF", "Type", std::string("ImageData")});
-    attributes.push_back({"/VTKHDF", "WholeExtent", std::vector<std::int64_t>{0, grid.n_x - 1, 0, grid.n_y - 1, 0, 0}});
-    attributes.push_back({"/VTKHDF", "Origin", std::vector<double>{grid.x(0), grid.y(0), 0}});
+    attributes.push_back(
+        {"/VTKHDF", "WholeExtent", std::vector<std::int64_t>{0, grid.n_x - 1, 0, grid.n_y - 1, 0, image_layers - 1}});
+    attributes.push_back({"/VTKHDF", "Origin", std::vector<double>{grid.x(0), grid.y(0), -grid.spacing}});
     attributes.push_back({"/VTKHDF", "Spacing", std::vector<double>(3, grid.spacing)});
     attributes.push_back({"/VTKHDF", "Direction", std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}});
 }
@@ -216,8 +223,9 @@ TrishearFit FlowMeasurer::trishear(const FieldSlab& fields, const Surface& surfa
     if (!comm_.is_root()) {
         return {};
     }
-    const double length = 10 * scales_.range;
-    return fit_trishear(data, rule.drive, scene_.output.zone->tip, length);
+    // Within two thicknesses of the ground ahead: the block's own tip leaves the fault's, but not so far.
+    const auto& tip = scene_.output.zone->tip;
+    return fit_trishear(data, rule.drive, {.tip = tip, .reach = 2 * std::max(bed_ - tip[1], scales_.range)});
 }
 
 void FlowMeasurer::write_fields(std::int64_t step, double time, const FieldSlab& fields,

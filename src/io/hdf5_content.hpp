@@ -37,6 +37,10 @@ constexpr std::size_t element_bytes(ElementType type) {
     return type == ElementType::uint8 ? 1 : type == ElementType::int32 ? 4 : 8;
 }
 
+/// An image in the plane is stored as a thin slab of two equal layers: ParaView 5.11 writes past the end of a buffer when
+/// it opens an image of one.
+inline constexpr int image_layers = 2;
+
 /// total x columns elements, of which this rank holds a run of rows; one column makes a dataset of one dimension.
 struct Hdf5Dataset {
     std::string path; ///< from the root, "/grains/id"; its groups are made with it
@@ -44,10 +48,12 @@ struct Hdf5Dataset {
     int columns = 1;
     RowRange range;
     std::vector<std::byte> bytes; ///< range.rows x columns elements, by rows
-    /// Of an image in the plane: a row is a row of so many nodes, and the dataset has the dimensions that VTKHDF wants,
-    /// 1 x total x width, and columns / width components as a fourth if that is not one. 0: a table.
+    /// Of an image in the plane: a row is a row of so many nodes. The dataset then has the dimensions that VTKHDF wants,
+    /// image_layers x total x width, and columns / width components as a fourth if that is not one; `bytes` hold the rows
+    /// of one layer after the other. 0: a table.
     int image_width = 0;
 
+    int n_layers() const { return image_width > 0 ? image_layers : 1; }
     std::size_t row_bytes() const { return element_bytes(type) * static_cast<std::size_t>(columns); }
 };
 

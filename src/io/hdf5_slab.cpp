@@ -17,6 +17,7 @@ struct Extent {
     std::vector<hsize_t> size;
     std::size_t row = 0;
 
+    hsize_t layers() const { return row == 0 ? 1 : size[0]; }
     hsize_t rows() const { return size[row]; }
     hsize_t columns() const {
         hsize_t product = 1;
@@ -37,21 +38,27 @@ Extent extent(const Hdf5Handle& space, const std::string& path) {
     return extent;
 }
 
-/// Calls io(memory space, file space, byte offset) for piece after piece of rows [first, first + rows).
+/// Calls io(memory space, file space, byte offset) for piece after piece of rows [first, first + rows), layer by layer.
 template <class Io>
 void for_each_piece(const Hdf5Handle& file_space, const Extent& extent, std::size_t row_bytes, std::int64_t first,
                     std::int64_t rows, Io io) {
     const auto n_dimensions = static_cast<int>(extent.size.size());
     const auto per_piece = std::max<std::int64_t>(1, static_cast<std::int64_t>(piece_bytes / row_bytes));
-    for (std::int64_t at = 0; at < rows; at += per_piece) {
-        std::vector<hsize_t> start(extent.size.size(), 0);
-        auto count = extent.size;
-        start[extent.row] = static_cast<hsize_t>(first + at);
-        count[extent.row] = static_cast<hsize_t>(std::min(per_piece, rows - at));
-        const Hdf5Handle memory(H5Screate_simple(n_dimensions, count.data(), nullptr), H5Sclose, "no data space");
-        hdf5_check(H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-                   "rows beyond the dataset");
-        io(memory.get(), file_space.get(), static_cast<std::size_t>(at) * row_bytes);
+    for (hsize_t layer = 0; layer < extent.layers(); ++layer) {
+        const auto before = static_cast<std::int64_t>(layer) * rows;
+        for (std::int64_t at = 0; at < rows; at += per_piece) {
+            std::vector<hsize_t> start(extent.size.size(), 0);
+            auto count = extent.size;
+            start[0] = layer;
+            count[0] = 1;
+            start[extent.row] = static_cast<hsize_t>(first + at);
+            count[extent.row] = static_cast<hsize_t>(std::min(per_piece, rows - at));
+            const Hdf5Handle memory(H5Screate_simple(n_dimensions, count.data(), nullptr), H5Sclose, "no data space");
+            hdf5_check(
+                H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+                "rows beyond the dataset");
+            io(memory.get(), file_space.get(), static_cast<std::size_t>(before + at) * row_bytes);
+        }
     }
 }
 
@@ -104,7 +111,7 @@ std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path
         throw Hdf5Failure("dataset " + path + " has another type or size than expected");
     }
     const auto row_bytes = element_bytes(type) * static_cast<std::size_t>(columns);
-    std::vector<std::byte> bytes(static_cast<std::size_t>(rows) * row_bytes);
+    std::vector<std::byte> bytes(size.layers() * static_cast<std::size_t>(rows) * row_bytes);
     for_each_piece(space, size, row_bytes, first, rows, [&](hid_t memory, hid_t in_file, std::size_t at) {
         hdf5_check(H5Dread(dataset.get(), native_type(type), memory, in_file, H5P_DEFAULT, bytes.data() + at),
                    "reading " + path + " fails");

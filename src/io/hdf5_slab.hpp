@@ -13,7 +13,8 @@ Hdf5Handle::Id native_type(ElementType type);
 /// Writes this rank's rows, independently of the other ranks, into a dataset that is there. Throws Hdf5Failure.
 void write_slab(const Hdf5Handle& file, const Hdf5Dataset& rows);
 
-/// Rows [first, first + rows) of a dataset that must have this element type and number of columns. Throws Hdf5Failure.
+/// Rows [first, first + rows) of a dataset that must have this element type and number of columns; of
+/// an image one layer after the other. Throws Hdf5Failure.
 std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path, ElementType type, int columns,
                                  std::int64_t first, std::int64_t rows);
 

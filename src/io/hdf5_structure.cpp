@@ -22,7 +22,7 @@ std::vector<hsize_t> dimensions(const Hdf5Dataset& dataset) {
     std::vector<hsize_t> size{rows};
     int columns = dataset.columns;
     if (dataset.image_width > 0) {
-        size = {1, rows, static_cast<hsize_t>(dataset.image_width)};
+        size = {image_layers, rows, static_cast<hsize_t>(dataset.image_width)};
         columns /= dataset.image_width;
     }
     if (columns > 1) {
@@ -101,7 +101,7 @@ void create_all(const Hdf5Handle& file, const Hdf5Content& content) {
 off_t longest(const Hdf5Content& content) {
     std::size_t bytes = 4096 * (16 + content.groups.size() + content.datasets.size() + content.attributes.size());
     for (const auto& dataset : content.datasets) {
-        bytes += static_cast<std::size_t>(dataset.range.total) * dataset.row_bytes();
+        bytes += static_cast<std::size_t>(dataset.range.total * dataset.n_layers()) * dataset.row_bytes();
     }
     for (const auto& attribute : content.attributes) {
         const auto* text = std::get_if<std::string>(&attribute.value);

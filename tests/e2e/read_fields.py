@@ -17,9 +17,9 @@ def main(folder):
     image = servermanager.Fetch(source)
     assert image.IsA("vtkImageData"), image.GetClassName()
     assert image.GetSpacing() == (SPACING, SPACING, SPACING), image.GetSpacing()
-    # Grains lie in x from 0 to 58, in y from 0 to 29; the grid is a spacing wider.
-    assert image.GetDimensions() == (33, 18, 1), image.GetDimensions()
-    assert image.GetOrigin() == (-4.0, -4.0, 0.0) or image.GetOrigin() == (-2.0, -2.0, 0.0), image.GetOrigin()
+    # Grains lie in x from 0 to 58 and in y from 0 to 29; the grid is a spacing wider, in two layers.
+    assert image.GetDimensions() == (32, 18, 2), image.GetDimensions()
+    assert image.GetOrigin() == (-2.0, -2.0, -SPACING), image.GetOrigin()
     arrays = image.GetPointData()
     for name, components in ARRAYS.items():
         array = arrays.GetArray(name)

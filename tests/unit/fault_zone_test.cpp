@@ -116,6 +116,8 @@ TEST(FaultZone, RowsOfRanksJoinToTheWhole) {
 
 const Trishear model{{1.5, -0.5}, 0.7, 2.5};
 
+const TrishearBounds bounds{.tip = {0, 0}, .reach = 10};
+
 TEST(Trishear, HasNoDivergence) {
     const double d = 1e-5;
     for (const double x : {3.0, 8.0, 20.0}) {
@@ -172,7 +174,7 @@ std::vector<VelocityAt> measured(const Trishear& truth, double noise) {
 
 TEST(Trishear, TheFitFindsTheParametersOfItsOwnField) {
     for (const Trishear& truth : {model, Trishear{{-2, 1}, 0.3, 1.5}, Trishear{{3, -1}, 1.6, 5}}) {
-        const auto fit = fit_trishear(measured(truth, 0), drive, {0, 0}, 10);
+        const auto fit = fit_trishear(measured(truth, 0), drive, bounds);
         // Levenberg–Marquardt ends at relative steps of sqrt(eps) ~ 1e-8; kinks of the field at nodes slow it down.
         EXPECT_NEAR(fit.model.tip[0], truth.tip[0], 1e-4);
         EXPECT_NEAR(fit.model.tip[1], truth.tip[1], 1e-4);
@@ -185,15 +187,31 @@ TEST(Trishear, TheFitFindsTheParametersOfItsOwnField) {
 TEST(Trishear, TheResidualOfANoisyFieldIsTheNoise) {
     const double noise = 0.02;
     const auto data = measured(model, noise);
-    const auto fit = fit_trishear(data, drive, {0, 0}, 10);
+    const auto fit = fit_trishear(data, drive, bounds);
     // Two components, and over 1000 places: the sample's own scatter is 1 / sqrt(2 n) = 2 %, four unknowns take less.
     EXPECT_NEAR(fit.residual, std::sqrt(2.0) * noise / drive.norm(), 0.05 * std::sqrt(2.0) * noise / drive.norm());
     EXPECT_NEAR(fit.model.m, model.m, 0.05);
 }
 
+TEST(Trishear, ATipIsNotSoughtBeyondItsBounds) {
+    // Parallel shear, which a wedge from infinity fits best.
+    std::vector<VelocityAt> data;
+    const Vec<2> up(-drive[1], drive[0]);
+    for (double y = 2; y <= 12; y += 0.8) {
+        for (double x = -30; x <= 40; x += 0.8) {
+            const double share = std::clamp(0.5 + up.dot(Vec<2>(x, y)) / up.norm() / 6, 0.0, 1.0);
+            data.push_back({{x, y}, {share * drive[0], share * drive[1]}});
+        }
+    }
+    const auto fit = fit_trishear(data, drive, bounds);
+    EXPECT_LE(fit.model.tip.cwiseAbs().maxCoeff(), 10);
+    EXPECT_LT(fit.model.tip[0], -5); // upstream, as far as it may
+    EXPECT_LT(fit.residual, 0.1);
+}
+
 TEST(Trishear, WithoutDataOrDriveThereIsNoFit) {
-    EXPECT_TRUE(std::isnan(fit_trishear({}, drive, {0, 0}, 10).residual));
-    EXPECT_TRUE(std::isnan(fit_trishear(measured(model, 0), {0, 0}, {0, 0}, 10).model.s));
+    EXPECT_TRUE(std::isnan(fit_trishear({}, drive, bounds).residual));
+    EXPECT_TRUE(std::isnan(fit_trishear(measured(model, 0), {0, 0}, bounds).model.s));
 }
 
 } // namespace

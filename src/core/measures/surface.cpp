@@ -95,7 +95,7 @@ SurfaceShape shape_of(const Surface& surface, double bed, double rise) {
         }
     }
     const auto line = fit_line(between);
-    shape.slope = std::atan(-line.slope);
+    shape.slope = std::isnan(line.slope) ? unknown : std::atan(-line.slope); // a NaN with a sign is printed with it
     shape.residual = line.residual;
     shape.curvature = fit_curvature(between);
     return shape;

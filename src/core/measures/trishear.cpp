@@ -3,10 +3,8 @@
 #include <unsupported/Eigen/NonLinearOptimization>
 #include <unsupported/Eigen/NumericalDiff>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace nappe {
 
@@ -22,7 +20,8 @@ double freed(double value, double low, double high) {
     return std::log(share / (1 - share));
 }
 
-/// The residuals of the fit as Eigen's Levenberg–Marquardt wants them: unknowns are the tip over the length, m and s freed.
+/// The residuals of the fit as Eigen's Levenberg–Marquardt wants them: unknowns are the place of the tip, m
+/// and s, all freed of their bounds.
 class Misfit {
 public:
     using Scalar = double;
@@ -31,15 +30,15 @@ public:
     using JacobianType = Eigen::MatrixXd;
     enum { InputsAtCompileTime = Eigen::Dynamic, ValuesAtCompileTime = Eigen::Dynamic };
 
-    Misfit(std::span<const VelocityAt> data, const Vec<2>& drive, const Vec<2>& tip, double length,
-           const TrishearBounds& bounds)
-        : data_(data), drive_(drive), tip_(tip), length_(length), bounds_(bounds) {}
+    Misfit(std::span<const VelocityAt> data, const Vec<2>& drive, const TrishearBounds& bounds)
+        : data_(data), drive_(drive), bounds_(bounds) {}
 
     int inputs() const { return 4; }
     int values() const { return static_cast<int>(2 * data_.size()); }
 
     Trishear model(const InputType& p) const {
-        return {tip_ + length_ * Vec<2>(p[0], p[1]), bounded(p[2], bounds_.least_m, bounds_.largest_m),
+        const auto offset = [&](double free) { return bounds_.reach * free / std::sqrt(1 + free * free); };
+        return {bounds_.tip + Vec<2>(offset(p[0]), offset(p[1])), bounded(p[2], bounds_.least_m, bounds_.largest_m),
                 bounded(p[3], bounds_.least_s, bounds_.largest_s)};
     }
 
@@ -70,8 +69,7 @@ public:
 
 private:
     std::span<const VelocityAt> data_;
-    Vec<2> drive_, tip_;
-    double length_;
+    Vec<2> drive_;
     TrishearBounds bounds_;
 };
 
@@ -93,32 +91,25 @@ Vec<2> trishear_velocity(const Trishear& model, const Vec<2>& drive, const Vec<2
     return v_xi * along + v_eta * up;
 }
 
-TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const Vec<2>& tip, double length,
-                         const TrishearBounds& bounds) {
+TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const TrishearBounds& bounds) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     const TrishearFit nothing{{{unknown, unknown}, unknown, unknown}, unknown};
     if (data.size() < 8 || !(drive.norm() > 0)) {
         return nothing;
     }
-    const Misfit misfit(data, drive, tip, length, bounds);
-    using Start = std::pair<double, Eigen::VectorXd>;
-    std::vector<Start> starts;
+    const Misfit misfit(data, drive, bounds);
+    TrishearFit best = nothing;
     for (const double m : {0.2, 0.6, 1.5}) {
         for (const double s : {1.3, 4.0}) {
-            starts.emplace_back(misfit.residual(misfit.start(m, s)), misfit.start(m, s));
-        }
-    }
-    std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.first < b.first; });
-    TrishearFit best = nothing;
-    for (std::size_t k = 0; k < 3; ++k) {
-        Eigen::NumericalDiff<Misfit> with_slopes(misfit);
-        Eigen::LevenbergMarquardt<Eigen::NumericalDiff<Misfit>> solver(with_slopes);
-        solver.parameters.maxfev = 400;
-        Eigen::VectorXd p = starts[k].second;
-        solver.minimize(p);
-        const double residual = misfit.residual(p);
-        if (residual < best.residual || (std::isnan(best.residual) && std::isfinite(residual))) {
-            best = {misfit.model(p), residual};
+            Eigen::NumericalDiff<Misfit> with_slopes(misfit);
+            Eigen::LevenbergMarquardt<Eigen::NumericalDiff<Misfit>> solver(with_slopes);
+            solver.parameters.maxfev = 400;
+            Eigen::VectorXd p = misfit.start(m, s);
+            solver.minimize(p);
+            const double residual = misfit.residual(p);
+            if (residual < best.residual || (std::isnan(best.residual) && std::isfinite(residual))) {
+                best = {misfit.model(p), residual};
+            }
         }
     }
     return best;

@@ -34,15 +34,17 @@ struct TrishearFit {
     double residual = 0; ///< root mean square of |v - model| over |V0|
 };
 
-/// The range in which m and s are sought.
+/// Where the unknowns are sought. Without bounds on the tip, a zone of parallel shear is fitted best by an ever narrower
+/// wedge from ever farther away.
 struct TrishearBounds {
+    Vec<2> tip = Vec<2>::Zero(); ///< in the middle of where tips are sought [m]
+    double reach = 1;            ///< they lie so far from it at most, along x and along y [m]
     double least_m = 0.02, largest_m = 5;
     double least_s = 1, largest_s = 20;
 };
 
-/// Least squares of all components by Levenberg–Marquardt, tip, m and s free, from the best three of six starts at the
-/// tip given. @param length size of the problem [m]: tips are sought in units of it. The same data give the same bits.
-TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const Vec<2>& tip, double length,
-                         const TrishearBounds& bounds = {});
+/// Least squares of all components by Levenberg–Marquardt, tip, m and s free within bounds, from six starts at the tip
+/// given. A figure at its bound says that the model does not hold. The same data give the same bits.
+TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const TrishearBounds& bounds);
 
 } // namespace nappe
