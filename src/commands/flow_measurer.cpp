@@ -103,7 +103,7 @@ std::string make_folder(const std::filesystem::path& fields) {
 } // namespace
 
 FlowMeasurer::FlowMeasurer(const Communicator& comm, const Scene<2>& scene, std::filesystem::path folder)
-    : comm_(comm), scene_(scene), folder_(std::move(folder) / "measures") {
+    : comm_(comm), scene_(scene), folder_(std::move(folder)) {
     comm_.throw_together<SystemError>(comm_.is_root() ? make_folder(folder_ / "fields") : std::string());
     if (comm_.is_root()) {
         const auto series = [&](const char* name, std::vector<std::string> columns) {

@@ -16,7 +16,7 @@
 
 namespace nappe {
 
-/// Writes FOLDER/measures/surface.csv, zone.csv (if the scene has output.zone) and fields/fields-SSSSSSSS.hdf. Every
+/// Writes FOLDER/surface.csv, zone.csv (if the scene has output.zone) and fields/fields-SSSSSSSS.hdf. Every
 /// member is **Collective over comm**; all that is written is the same, byte for byte, on any number of ranks.
 class FlowMeasurer {
 public:

@@ -28,22 +28,13 @@ void Measurer::forget(const std::filesystem::path& folder) {
 }
 
 Measurer::Measurer(const Communicator& comm, const Scene<2>& scene, const std::filesystem::path& folder)
-    : comm_(comm), scene_(scene) {
-    std::string error;
+    : comm_(comm), scene_(scene), flow_(comm, scene_, folder) { // which makes the folder
     if (comm.is_root()) {
-        std::error_code code;
-        std::filesystem::create_directories(folder, code);
-        if (code) {
-            error = fmt::format("{}: must be a folder that can be written, found: {}; choose another --out",
-                                folder.string(), code.message());
-        } else {
-            for (const auto& cell : scene.output.cells) {
-                sets_.emplace_back(folder / ("cell-" + cell.name + ".csv"), SetFigures::names());
-            }
-            sets_.emplace_back(folder / "whole.csv", SetFigures::names());
+        for (const auto& cell : scene.output.cells) {
+            sets_.emplace_back(folder / ("cell-" + cell.name + ".csv"), SetFigures::names());
         }
+        sets_.emplace_back(folder / "whole.csv", SetFigures::names());
     }
-    comm.throw_together<SystemError>(error);
     share_errors();
 }
 
@@ -107,6 +98,7 @@ void Measurer::measure(const FrameBlock<2>& frame) {
         }
     }
     share_errors();
+    flow_.measure(frame.step, frame.time, frame.grains, frame.walls);
 }
 
 void Measurer::finish() {
@@ -114,6 +106,7 @@ void Measurer::finish() {
         writer.finish();
     }
     share_errors();
+    flow_.finish();
 }
 
 void Measurer::share_errors() {

@@ -2,6 +2,7 @@
 // Measures of a run's frames (docs/measures.md), the same whether they are taken while the run goes on or afterwards
 // from its stored frames, and on any number of ranks.
 
+#include "commands/flow_measurer.hpp"
 #include "core/measures/set_measures.hpp"
 #include "core/scene.hpp"
 #include "io/frame_writer.hpp"
@@ -17,6 +18,8 @@ public:
     /// **Collective over comm.** Makes the folder and the series in it; older ones of their names are replaced. Throws
     /// SystemError on all ranks.
     Measurer(const Communicator& comm, const Scene<2>& scene, const std::filesystem::path& folder);
+    Measurer(const Measurer&) = delete; // flow_ refers to scene_
+    Measurer& operator=(const Measurer&) = delete;
 
     /// **Collective.** One row in every series. Frames come in the order of time, that of step 0 first: sets of grains
     /// are what they are then. Throws InputError if the first is another or empty, SystemError; on all ranks.
@@ -39,6 +42,7 @@ private:
     std::vector<SetReference<2>> references_; ///< empty until the first frame
     std::vector<SeriesWriter> sets_;          ///< on the root only
     double range_ = 0;                        ///< of the coarse-graining kernel [m]
+    FlowMeasurer flow_;
 };
 
 } // namespace nappe

@@ -1,5 +1,7 @@
 #include "core/measures/local_fraction.hpp"
 
+#include "core/measures/coarse_grain.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -45,7 +47,6 @@ private:
 
 std::vector<double> local_solid_fractions(std::span<const FieldGrain> grains, double range) {
     const Squares squares(grains, range);
-    const double factor = 5.0 / (range * range); // 5/(pi w²) times the pi of the areas
     std::vector<double> fractions;
     std::vector<std::size_t> near;
     for (const auto& target : grains) {
@@ -63,10 +64,10 @@ std::vector<double> local_solid_fractions(std::span<const FieldGrain> grains, do
             const double dx = grains[j].x - target.x, dy = grains[j].y - target.y;
             const double s = std::sqrt(dx * dx + dy * dy) / range;
             if (s < 1) {
-                sum += grains[j].radius * grains[j].radius * ((1 + 3 * s) * ((1 - s) * (1 - s) * (1 - s)));
+                sum += std::numbers::pi * grains[j].radius * grains[j].radius * lucy(s, range);
             }
         }
-        fractions.push_back(factor * sum);
+        fractions.push_back(sum);
     }
     return fractions;
 }
