@@ -2,9 +2,11 @@
 
 #include "commands/grain_figures.hpp"
 #include "core/error.hpp"
+#include "core/measures/clusters.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <numbers>
 #include <regex>
 #include <system_error>
@@ -12,7 +14,7 @@
 namespace nappe {
 
 void Measurer::forget(const std::filesystem::path& folder) {
-    const std::regex ours(R"((whole|surface|zone|cell-.*)\.csv|fields-[0-9]+\.hdf)");
+    const std::regex ours(R"((whole|blocks|surface|zone|cell-.*)\.csv|fields-[0-9]+\.hdf)");
     std::error_code ignored;
     std::vector<std::filesystem::path> old;
     for (const auto& place : {folder, folder / "fields"}) {
@@ -34,6 +36,10 @@ Measurer::Measurer(const Communicator& comm, const Scene<2>& scene, const std::f
             sets_.emplace_back(folder / ("cell-" + cell.name + ".csv"), SetFigures::names());
         }
         sets_.emplace_back(folder / "whole.csv", SetFigures::names());
+        if (largest_range(scene) > 0) {
+            blocks_ = std::make_unique<SeriesWriter>(
+                folder / "blocks.csv", std::vector<std::string>{"largest", "detached", "detached_grains", "single"});
+        }
     }
     share_errors();
 }
@@ -77,6 +83,26 @@ std::vector<SetSums<2>> Measurer::sum_up(const FrameBlock<2>& frame) const {
     return sums;
 }
 
+/// On the root, which takes 16 bytes a bond for it.
+void Measurer::measure_blocks(const FrameBlock<2>& frame) {
+    std::vector<std::vector<BondedPair>> to(static_cast<std::size_t>(comm_.size()));
+    for (const auto& c : frame.contacts) {
+        if (c.bond != static_cast<std::int32_t>(Bond::none) && c.hi < wall_key) {
+            to.front().push_back({c.lo, c.hi});
+        }
+    }
+    std::vector<BondedPair> bonds;
+    for (const auto& part : comm_.exchange(to)) {
+        bonds.insert(bonds.end(), part.begin(), part.end());
+    }
+    if (blocks_) {
+        const auto found = clusters(frame.blocks.n, bonds);
+        blocks_->append(frame.step, frame.time,
+                        std::array{static_cast<double>(found.largest), static_cast<double>(found.detached),
+                                   static_cast<double>(found.detached_grains), static_cast<double>(found.single)});
+    }
+}
+
 void Measurer::measure(const FrameBlock<2>& frame) {
     const bool is_first = references_.empty();
     if (is_first) {
@@ -97,6 +123,9 @@ void Measurer::measure(const FrameBlock<2>& frame) {
             sets_[k].append(frame.step, frame.time, sums[k].figures(references_[k], h).values());
         }
     }
+    if (largest_range(scene_) > 0) {
+        measure_blocks(frame);
+    }
     share_errors();
     flow_.measure(frame.step, frame.time, frame.grains, frame.walls);
 }
@@ -104,6 +133,9 @@ void Measurer::measure(const FrameBlock<2>& frame) {
 void Measurer::finish() {
     for (auto& writer : sets_) {
         writer.finish();
+    }
+    if (blocks_) {
+        blocks_->finish();
     }
     share_errors();
     flow_.finish();
@@ -113,6 +145,9 @@ void Measurer::share_errors() {
     std::string error;
     for (const auto& writer : sets_) {
         error = error.empty() ? writer.error() : error;
+    }
+    if (blocks_ && error.empty()) {
+        error = blocks_->error();
     }
     comm_.throw_together<SystemError>(error);
 }

@@ -9,6 +9,7 @@
 #include "io/series.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace nappe {
@@ -33,6 +34,7 @@ public:
 
 private:
     std::vector<SetSums<2>> sum_up(const FrameBlock<2>& frame) const;
+    void measure_blocks(const FrameBlock<2>& frame);
     void remember(const FrameBlock<2>& first);
     void share_errors();
 
@@ -41,6 +43,7 @@ private:
     // One per cell of the scene, then that of all grains.
     std::vector<SetReference<2>> references_; ///< empty until the first frame
     std::vector<SeriesWriter> sets_;          ///< on the root only
+    std::unique_ptr<SeriesWriter> blocks_;    ///< on the root, if the scene has cohesion
     double range_ = 0;                        ///< of the coarse-graining kernel [m]
     FlowMeasurer flow_;
 };

@@ -162,7 +162,7 @@ struct SpreadGrains {
 /// Largest margin that tiles of this side allow, as the program has it: the hardest case for halo and colours [m].
 inline double margin_for(double side) {
     const Communicator alone(MPI_COMM_SELF);
-    return Domain<2>(alone, TileGrid<2>(Vec<2>::Zero(), side), {}).largest_margin(r_max);
+    return Domain<2>(alone, TileGrid<2>(Vec<2>::Zero(), side), {}).largest_margin(r_max, 0);
 }
 
 } // namespace nappe::test
