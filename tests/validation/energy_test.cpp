@@ -64,6 +64,32 @@ TEST(Energy, ImpactOfAHeadOnMeeting) {
     EXPECT_NEAR(counted.error(), 0, 1e-12 * m * v * v);
 }
 
+/// Two disks that part against their bond: it pulls with gamma from touch until the end of the step that passes d_w, so it
+/// takes gamma d_w, and for at most a step more.
+TEST(Energy, CohesionTakesTheWorkOfTheBond) {
+    const double gamma = 1e4, d_w = 0.05, v = 2, h = 1e-4;
+    SceneBuilder builder;
+    builder.gravity(0, 0).cohesion(0, 0, gamma, d_w);
+    builder.grain(0.5, {0, 0}, {-v, 0}).grain(0.5, {1, 0}, {v, 0}).stage(solver(h, 20));
+    CountedRun counted(builder.scene());
+    counted.steps(200); // 2 v of 0.02 s is 0.08 m
+    EXPECT_GT(counted.budget().cohesion, gamma * d_w * (1 - 1e-12));
+    EXPECT_LT(counted.budget().cohesion, gamma * (d_w + 2 * v * h));
+    EXPECT_NEAR(counted.kinetic_gain(), -counted.budget().cohesion, 1e-12 * disk_mass(0.5) * v * v);
+    EXPECT_EQ(counted.budget().impact, 0);
+}
+
+/// Cohesive grains pushed by a wall: the balance closes to the round-off of its terms.
+TEST(Energy, BalanceWithCohesion) {
+    SceneBuilder builder(0.4);
+    builder.box(4, 3, {RadiusLaw::Kind::uniform, 0.13, 0.26}).cohesion(0, 0, 1e4, 0.01).stage(solver(0.01, 20));
+    builder.scene().walls[1].motion = Motion<2>{{0.5, 0.3}, 0, 0, {}};
+    CountedRun counted(builder.scene());
+    counted.steps(200);
+    EXPECT_GT(counted.budget().cohesion, 0);
+    EXPECT_NEAR(counted.error(), 0, 1e-12 * std::abs(counted.wall_work()));
+}
+
 /// A wall that starts at V takes the disk in front of it along: all its work is the disk's m V²/2, none is lost. (By
 /// the wall's new velocity alone it would be m V².) Stopping, it loses the disk and does no more.
 TEST(Energy, WorkOfAWallThatStartsAndStops) {
