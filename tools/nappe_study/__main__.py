@@ -7,7 +7,7 @@ import signal
 import sys
 from pathlib import Path
 
-from . import plan, report, results
+from . import plan, reference, report, results
 from .scheduler import Scheduler, Task
 
 STOPPED_EARLY = 3  # exit code, as that of nappe
@@ -100,6 +100,11 @@ def write_report(arguments):
     return 0
 
 
+def print_table(arguments):
+    print(reference.markdown(arguments.folders))
+    return 0
+
+
 def at_least_one(text):
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f'a whole number from 1 on is wanted; found "{text}"')
@@ -131,6 +136,8 @@ def parser_of():
     measure.add_argument("--again", action="store_true", help="on those that are measured too")
     reported = add("report", write_report, [common], "tables, fits and pictures of what is done and measured")
     reported.add_argument("--pictures", type=Path, metavar="PATH", help="their folder (pictures/ of --out)")
+    table = add("table", print_table, [], "figures of measured runs of the fault scene side by side, as Markdown")
+    table.add_argument("folders", nargs="+", type=Path, metavar="DIR")
     return parser
 
 
