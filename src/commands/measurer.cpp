@@ -2,11 +2,12 @@
 
 #include "commands/grain_figures.hpp"
 #include "core/error.hpp"
-#include "core/measures/clusters.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <numbers>
 #include <regex>
 #include <system_error>
@@ -38,7 +39,8 @@ Measurer::Measurer(const Communicator& comm, const Scene<2>& scene, const std::f
         sets_.emplace_back(folder / "whole.csv", SetFigures::names());
         if (largest_range(scene) > 0) {
             blocks_ = std::make_unique<SeriesWriter>(
-                folder / "blocks.csv", std::vector<std::string>{"largest", "detached", "detached_grains", "single"});
+                folder / "blocks.csv",
+                std::vector<std::string>{"intact", "largest", "detached", "detached_grains", "single"});
         }
     }
     share_errors();
@@ -83,22 +85,31 @@ std::vector<SetSums<2>> Measurer::sum_up(const FrameBlock<2>& frame) const {
     return sums;
 }
 
-/// On the root, which takes 16 bytes a bond for it.
-void Measurer::measure_blocks(const FrameBlock<2>& frame) {
-    std::vector<std::vector<BondedPair>> to(static_cast<std::size_t>(comm_.size()));
+/// What is left of the bonds of the first frame, and the blocks that hang together by them: on the root, which takes 16
+/// bytes a bond for it.
+void Measurer::measure_blocks(const FrameBlock<2>& frame, bool is_first) {
+    std::vector<BondedPair> bonds; // by (a, b), as contacts are
     for (const auto& c : frame.contacts) {
         if (c.bond != static_cast<std::int32_t>(Bond::none) && c.hi < wall_key) {
-            to.front().push_back({c.lo, c.hi});
+            bonds.push_back({c.lo, c.hi});
         }
     }
-    std::vector<BondedPair> bonds;
+    if (is_first) {
+        first_bonds_ = bonds;
+    }
+    std::vector<std::vector<BondedPair>> to(static_cast<std::size_t>(comm_.size()));
+    std::set_intersection(bonds.begin(), bonds.end(), first_bonds_.begin(), first_bonds_.end(),
+                          std::back_inserter(to.front()));
+    const auto n_first = comm_.sum(static_cast<std::int64_t>(first_bonds_.size()));
+    std::vector<BondedPair> kept;
     for (const auto& part : comm_.exchange(to)) {
-        bonds.insert(bonds.end(), part.begin(), part.end());
+        kept.insert(kept.end(), part.begin(), part.end());
     }
     if (blocks_) {
-        const auto found = clusters(frame.blocks.n, bonds);
+        const auto found = clusters(frame.blocks.n, kept);
+        const double intact = static_cast<double>(kept.size()) / static_cast<double>(n_first); // NaN if there was none
         blocks_->append(frame.step, frame.time,
-                        std::array{static_cast<double>(found.largest), static_cast<double>(found.detached),
+                        std::array{intact, static_cast<double>(found.largest), static_cast<double>(found.detached),
                                    static_cast<double>(found.detached_grains), static_cast<double>(found.single)});
     }
 }
@@ -124,7 +135,7 @@ void Measurer::measure(const FrameBlock<2>& frame) {
         }
     }
     if (largest_range(scene_) > 0) {
-        measure_blocks(frame);
+        measure_blocks(frame, is_first);
     }
     share_errors();
     flow_.measure(frame.step, frame.time, frame.grains, frame.walls);

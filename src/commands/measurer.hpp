@@ -3,6 +3,7 @@
 // from its stored frames, and on any number of ranks.
 
 #include "commands/flow_measurer.hpp"
+#include "core/measures/clusters.hpp"
 #include "core/measures/set_measures.hpp"
 #include "core/scene.hpp"
 #include "io/frame_writer.hpp"
@@ -34,7 +35,7 @@ public:
 
 private:
     std::vector<SetSums<2>> sum_up(const FrameBlock<2>& frame) const;
-    void measure_blocks(const FrameBlock<2>& frame);
+    void measure_blocks(const FrameBlock<2>& frame, bool is_first);
     void remember(const FrameBlock<2>& first);
     void share_errors();
 
@@ -44,6 +45,7 @@ private:
     std::vector<SetReference<2>> references_; ///< empty until the first frame
     std::vector<SeriesWriter> sets_;          ///< on the root only
     std::unique_ptr<SeriesWriter> blocks_;    ///< on the root, if the scene has cohesion
+    std::vector<BondedPair> first_bonds_;     ///< of this rank's block in the first frame, by (a, b)
     double range_ = 0;                        ///< of the coarse-graining kernel [m]
     FlowMeasurer flow_;
 };

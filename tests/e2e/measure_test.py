@@ -141,6 +141,36 @@ class Measure(NappeTest):
             for column, value in expected.items():
                 np.testing.assert_allclose(measured[column][k], value, rtol=1e-9, err_msg=f"{column} at step {step}")
 
+    def test_blocks_of_a_cohesive_fault(self):
+        # Intact bonds and the blocks that they leave, from the frames by plain sets.
+        keys = sets(output__measures__during_run="true", output__measures__energy="true")
+        out = self.folder / "fault"
+        result = call(["run", SCENES / "small_fault.toml", "--out", out, "--samples", self.folder / "s", *keys], ranks=3)
+        self.assertEqual(result.code, DONE, str(result))
+        again = self.folder / "again"
+        self.assertEqual(call(["measure", out, "--out", again], ranks=2).code, DONE)
+        for path in (out / "measures").rglob("*.csv"):
+            self.assertEqual((again / path.name).read_bytes(), path.read_bytes(), path.name)
+        blocks, first = self.measured(again, "blocks"), None
+        for row, step in enumerate(blocks["step"].astype(int)):
+            with h5py.File(out / f"frames/frame-{step:08}.hdf") as file:
+                n = len(file["VTKHDF/Points"])
+                pairs = zip(*(file[f"contacts/{name}"][()] for name in ("lo", "hi", "bond")))
+                bonds = {(lo, hi) for lo, hi, bond in pairs if bond and hi < n}
+            first = first or bonds
+            block_of = {i: {i} for i in range(n)}
+            for lo, hi in bonds & first:
+                if block_of[lo] is not block_of[hi]:
+                    block_of[lo] |= block_of[hi]
+                    block_of.update({i: block_of[lo] for i in block_of[hi]})
+            sizes = sorted(len(block) for block in {id(block): block for block in block_of.values()}.values())
+            others = [size for size in sizes[:-1] if size > 1]
+            self.assertEqual(blocks["intact"][row], len(bonds & first) / len(first))
+            self.assertEqual(blocks["largest"][row], sizes[-1])
+            self.assertEqual((blocks["detached"][row], blocks["detached_grains"][row]), (len(others), sum(others)))
+            self.assertEqual(blocks["single"][row], sizes.count(1))
+        self.assertGreater(blocks["detached"][-1], 0, "nothing came off: the case is too easy")
+
     def test_energy_closes(self):
         energy = self.fold.series("energy")
         self.assertEqual(list(energy)[2:], ["kinetic", "potential", "wall_work", "gravity", "friction", "impact",

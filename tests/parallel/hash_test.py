@@ -101,7 +101,8 @@ class SameBits(NappeTest):
                 self.assertGreater(run.summary["rebalanced"], 0, "no tile moved: the case is too easy")
 
     def test_cohesion_and_a_plate_that_leaves_another(self):
-        for _, run in self.runs(SCENES / "small_fault.toml", (2, 3, 5, 7)):
+        keys = sets(output__measures__during_run="true", output__measures__energy="true")
+        for _, run in self.runs(SCENES / "small_fault.toml", (2, 3, 5, 7), *keys):
             with h5py.File(run.out / "frames/frame-00000120.hdf") as file:
                 bond, r_n = file["contacts/bond"][()], file["contacts/r_n"][()]
             self.assertLessEqual({1, 2}, set(bond), "a state of the graph was not met")

@@ -85,15 +85,16 @@ def figures(run):
     )
     ys = [_at(lambda_x, "lambda_y", t) for t in (10, 20, 40)]
     yield "λ_y at 10, 20, 40 s", ", ".join(f"{y:.2f}" for y in ys)
+    blocks_title = "bonds broken at 40 s; detached blocks; grains without a bond of theirs"
     if (run.folder / "measures" / "blocks.csv").exists():
         blocks = run.table("measures/blocks")
-        most = int(np.argmax(blocks["detached"]))
-        yield "detached blocks: most (grains in them, when); single grains at 40 s", (
-            f"{blocks['detached'][most]:.0f} ({blocks['detached_grains'][most]:.0f}, {blocks['time'][most]:.0f} s); "
-            f"{blocks['single'][-1]:.0f}"
+        last = {name: values[-1] for name, values in blocks.items()}
+        yield blocks_title, (
+            f"{100 * (1 - last['intact']):.1f} %; {last['detached']:.0f} ({last['detached_grains']:.0f} grains); "
+            f"{last['single']:.0f}"
         )
     else:
-        yield "detached blocks: most (grains in them, when); single grains at 40 s", "–"
+        yield blocks_title, "–"
     energy = run.table("series/energy")
     losses = [energy[k][-1] / 1e6 for k in ("friction", "impact", "cohesion")]
     yield "lost to friction, impact, cohesion by 40 s [MJ/m]", ", ".join(f"{loss:.2f}" for loss in losses)

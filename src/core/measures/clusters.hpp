@@ -3,6 +3,7 @@
 
 #include "core/types.hpp"
 
+#include <compare>
 #include <cstdint>
 #include <span>
 
@@ -11,6 +12,7 @@ namespace nappe {
 /// Trivially copyable.
 struct BondedPair {
     GlobalId a = 0, b = 0;
+    auto operator<=>(const BondedPair&) const = default;
 };
 
 struct Clusters {
