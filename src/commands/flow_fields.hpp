@@ -1,8 +1,8 @@
 #pragma once
-// The coarse-grained fields and the profiles of one frame, shared among ranks: rows of the grid and bins of the profiles
-// are dealt out, each rank gets the grains that its rows or bins see and adds them up in the order of ids. So no bit
-// depends on the number of ranks. Rows, not columns: a slab of rows is a slab of the file, and the limits of a fault
-// zone are sought along rows.
+// The coarse-grained fields and the profiles of one frame, shared among ranks: rows of the grid and bins of the
+// profiles are dealt out, each rank gets the grains that its rows or bins see and adds them up in the order of ids. So
+// no bit depends on the number of ranks. Rows, not columns: a slab of rows is a slab of the file, and the limits of a
+// fault zone are sought along rows.
 
 #include "core/measures/coarse_grain.hpp"
 #include "core/measures/surface.hpp"
@@ -38,7 +38,7 @@ FieldGrid grid_around(const Communicator& comm, const FieldScales& scales, std::
 /// Fields of grains in blocks of ids. **Collective over comm.**
 ///
 /// @param moving grains where they were in the middle of the interval, with their velocity over it
-/// @param seconds length of the interval; each grain's strain grows by the shear rate at its place in `moving` times this
+/// @param seconds length of the interval: each grain's strain grows by it times the shear rate at its place in `moving`
 /// @param present the same grains where they are now; their `strain` is updated
 FieldSlab coarse_fields(const Communicator& comm, const FieldScales& scales, std::span<const FlowGrain> moving,
                         double seconds, std::span<FlowGrain> present);

@@ -47,7 +47,7 @@ private:
 
     const Communicator& comm_;
     const Scene<2>& scene_;
-    std::filesystem::path folder_;                               ///< .../measures
+    std::filesystem::path folder_;
     std::unique_ptr<SeriesWriter> surface_series_, zone_series_; ///< on the root only
 
     // From the first frame on.

@@ -37,8 +37,8 @@ constexpr std::size_t element_bytes(ElementType type) {
     return type == ElementType::uint8 ? 1 : type == ElementType::int32 ? 4 : 8;
 }
 
-/// An image in the plane is stored as a thin slab of two equal layers: ParaView 5.11 writes past the end of a buffer when
-/// it opens an image of one.
+/// An image in the plane is stored as a thin slab of two equal layers: ParaView 5.11 writes past the end of a buffer
+/// when it opens an image of one.
 inline constexpr int image_layers = 2;
 
 /// total x columns elements, of which this rank holds a run of rows; one column makes a dataset of one dimension.
@@ -48,9 +48,9 @@ struct Hdf5Dataset {
     int columns = 1;
     RowRange range;
     std::vector<std::byte> bytes; ///< range.rows x columns elements, by rows
-    /// Of an image in the plane: a row is a row of so many nodes. The dataset then has the dimensions that VTKHDF wants,
-    /// image_layers x total x width, and columns / width components as a fourth if that is not one; `bytes` hold the rows
-    /// of one layer after the other. 0: a table.
+    /// Of an image in the plane: a row is a row of so many nodes. The dataset then has the dimensions that VTKHDF
+    /// wants, image_layers x total x width, and columns / width components as a fourth if that is not one; `bytes` hold
+    /// the rows of one layer after the other. 0: a table.
     int image_width = 0;
 
     int n_layers() const { return image_width > 0 ? image_layers : 1; }

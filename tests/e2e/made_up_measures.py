@@ -43,22 +43,23 @@ def zone_values(theta, tip, half_angle=HALF_ANGLE, s=CONCENTRATION, residual=0.0
 
 
 def write_field(path, x, y, velocity, inside, shear_rate, shear_strain):
-    """VTKHDF ImageData on the nodes x (nx), y (ny); arrays (ny, nx[, 2]); NaN where not inside."""
+    """VTKHDF ImageData on the nodes x (nx), y (ny) in two equal layers, as nappe writes it; arrays (ny, nx[, 2]); NaN
+    where not inside."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with h5py.File(path, "w") as file:
         image = file.create_group("VTKHDF")
         image.attrs["Version"] = np.array([1, 0])
         image.attrs["Type"] = np.bytes_("ImageData")
-        image.attrs["WholeExtent"] = np.array([0, len(x) - 1, 0, len(y) - 1, 0, 0])
-        image.attrs["Origin"] = np.array([x[0], y[0], 0.0])
+        image.attrs["WholeExtent"] = np.array([0, len(x) - 1, 0, len(y) - 1, 0, 1])
+        image.attrs["Origin"] = np.array([x[0], y[0], -1.0])
         image.attrs["Spacing"] = np.array([x[1] - x[0], y[1] - y[0], 1.0])
         image.attrs["Direction"] = np.eye(3).ravel()
         space = np.concatenate([velocity, np.zeros_like(velocity[..., :1])], axis=-1)
         fields = {"velocity": space, "shear_rate": shear_rate, "shear_strain": shear_strain}
         for name, values in fields.items():
             values = np.where(inside[..., None] if values.ndim == 3 else inside, values, np.nan)
-            image[f"PointData/{name}"] = values[None]
-        image["PointData/solid_fraction"] = np.where(inside, 0.82, 0.0)[None]
+            image[f"PointData/{name}"] = np.stack([values, values])
+        image["PointData/solid_fraction"] = np.stack([np.where(inside, 0.82, 0.0)] * 2)
 
 
 def add_fault(folder, wall, tip, velocity):

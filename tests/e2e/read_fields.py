@@ -11,7 +11,7 @@ SPACING, RATE, SECONDS = 2.0, 0.1, 10.0  # four radii of 0.5 m; as write_fields.
 
 
 def main(folder):
-    source = simple.OpenDataFile(os.path.join(folder, "measures/fields/fields-00000100.hdf"))
+    source = simple.OpenDataFile(os.path.join(folder, "fields/fields-00000100.hdf"))
     assert source.GetXMLLabel() == "VTKHDF Reader", source.GetXMLLabel()
     source.UpdatePipeline()
     image = servermanager.Fetch(source)

@@ -62,6 +62,13 @@ TEST(FaultZone, LimitsOfALinearWedgeAreWhereTheToleranceSays) {
     EXPECT_EQ(l.points, 29);
 }
 
+TEST(FaultZone, TheLineIsPlacedAtTheHeightOfTheTip) {
+    const std::vector<FitPoint> points = {{3, 5}, {4, 5.5}, {5, 6}, {6, 6.5}};
+    const auto line = zone_line(points, {drive, 0.1, 2, 3}, grid.spacing);
+    EXPECT_NEAR(line.x, 4.5, 1e-12);
+    EXPECT_NEAR(line.angle, std::atan2(2, 1), 1e-12);
+}
+
 TEST(FaultZone, ABlockThatLagsHidesNothingBehindIt) {
     // A patch in the rigid block that stands still: the limit is where rigid motion first ends.
     const auto nodes =

@@ -23,6 +23,11 @@ class Field:
         return np.hypot(self.velocity[..., 0], self.velocity[..., 1])
 
 
+def first_layer(array, shape):
+    """nappe stores an image in the plane as two equal layers (docs/measures.md)."""
+    return array[:].reshape(-1, *shape)[0]
+
+
 def read(path):
     try:
         with h5py.File(path, "r") as file:
@@ -30,10 +35,9 @@ def read(path):
             extent = np.ravel(image.attrs["WholeExtent"]).astype(int)
             origin, spacing = (np.ravel(image.attrs[name]) for name in ("Origin", "Spacing"))
             axes = [origin[k] + spacing[k] * np.arange(extent[2 * k], extent[2 * k + 1] + 1) for k in (0, 1)]
-            # Fields of the plane fill two equal layers, since ParaView reads no single one.
-            shape = extent[5] - extent[4] + 1, len(axes[1]), len(axes[0])
+            shape = len(axes[1]), len(axes[0])
             names = {"velocity": (3,), "shear_rate": (), "shear_strain": ()}
-            values = {name: image["PointData"][name][:].reshape(*shape, *tail)[0] for name, tail in names.items()}
+            values = {name: first_layer(image["PointData"][name], (*shape, *tail)) for name, tail in names.items()}
     except (OSError, KeyError, ValueError) as error:
         raise BadRun(f"{path} holds no fields of nappe measure: {error}") from error
     return Field(*axes, values)

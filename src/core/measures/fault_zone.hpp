@@ -1,6 +1,6 @@
 #pragma once
-// The zone between a block that a wall pushes and the ground that stays (seeds/000 §5.3.2): to the left of the left limit
-// the velocity is the wall's, to the right of the right limit it is nought. The block comes from the left. Local.
+// The zone between a block that a wall pushes and the ground that stays (seeds/000 §5.3.2): to the left of the left
+// limit the velocity is the wall's, to the right of the right limit it is nought. The block comes from the left. Local.
 
 #include "core/measures/coarse_grain.hpp"
 #include "core/measures/line_fit.hpp"

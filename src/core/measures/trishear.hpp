@@ -2,7 +2,8 @@
 // The trishear model of fault-propagation folds (Erslev 1991; velocities: Zehnder & Allmendinger 2000, J. Struct. Geol.
 // 22, 1009, eq. 6), and its fit to a measured velocity field. Local.
 //
-// Origin at the fault's tip, xi along the fault, eta to its upper side, m = tan(half the apical angle), u = |eta| / (m xi):
+// Origin at the fault's tip, xi along the fault, eta to its upper side, m = tan(half the apical angle),
+// u = |eta| / (m xi):
 //     |eta| < m xi:  v_xi  = V0/2 [sgn(eta) u^(1/s) + 1],  v_eta = V0/2 m/(1+s) [u^((1+s)/s) - 1]
 //     above: (V0, 0);  below: (0, 0)
 // Without divergence and continuous at both limits; s = 1 is linear in eta, a larger s turns in a narrower middle.
@@ -34,8 +35,8 @@ struct TrishearFit {
     double residual = 0; ///< root mean square of |v - model| over |V0|
 };
 
-/// Where the unknowns are sought. Without bounds on the tip, a zone of parallel shear is fitted best by an ever narrower
-/// wedge from ever farther away.
+/// Where the unknowns are sought. Without bounds on the tip, a zone of parallel shear is fitted best by an ever
+/// narrower wedge from ever farther away.
 struct TrishearBounds {
     Vec<2> tip = Vec<2>::Zero(); ///< in the middle of where tips are sought [m]
     double reach = 1;            ///< they lie so far from it at most, along x and along y [m]
