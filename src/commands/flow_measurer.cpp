@@ -111,11 +111,11 @@ FlowMeasurer::FlowMeasurer(const Communicator& comm, const Scene<2>& scene, std:
         };
         surface_series_ = series("surface.csv", {"front", "crest", "slope", "slope_residual", "curvature"});
         if (scene_.output.zone) {
-            zone_series_ =
-                series("zone.csv", {"left_x", "left_angle", "left_residual", "left_points", "right_x", "right_angle",
-                                    "right_residual", "right_points", "opening", "trishear_x", "trishear_y",
-                                    "trishear_half_angle", "trishear_s", "trishear_residual", "left_angle_half",
-                                    "right_angle_half", "left_angle_twice", "right_angle_twice"});
+            zone_series_ = series("zone.csv",
+                                  {"left_x", "left_angle", "left_residual", "left_points", "right_x", "right_angle",
+                                   "right_residual", "right_points", "opening", "trishear_x", "trishear_y",
+                                   "trishear_half_angle", "trishear_s", "trishear_residual", "trishear_residual_inside",
+                                   "left_angle_half", "right_angle_half", "left_angle_twice", "right_angle_twice"});
         }
     }
     share_errors();
@@ -201,8 +201,9 @@ std::vector<double> FlowMeasurer::zone_row(const FieldSlab& fields, const Surfac
             left[0].points,    right[0].x,       right[0].angle,
             right[0].residual, right[0].points,  left[0].angle - right[0].angle,
             fit.model.tip[0],  fit.model.tip[1], std::atan(fit.model.m),
-            fit.model.s,       fit.residual,     left[1].angle,
-            right[1].angle,    left[2].angle,    right[2].angle};
+            fit.model.s,       fit.residual,     fit.residual_inside,
+            left[1].angle,     right[1].angle,   left[2].angle,
+            right[2].angle};
 }
 
 TrishearFit FlowMeasurer::trishear(const FieldSlab& fields, const Surface& surface, const ZoneRule& rule) const {

@@ -15,8 +15,8 @@ HALF_ANGLE = math.radians(20)
 CONCENTRATION = 1.5
 ZONE = (
     "left_x left_angle left_residual left_points right_x right_angle right_residual right_points opening trishear_x "
-    "trishear_y trishear_half_angle trishear_s trishear_residual left_angle_half right_angle_half left_angle_twice "
-    "right_angle_twice"
+    "trishear_y trishear_half_angle trishear_s trishear_residual trishear_residual_inside left_angle_half "
+    "right_angle_half left_angle_twice right_angle_twice"
 ).split()
 SURFACE = "front crest slope slope_residual curvature".split()
 
@@ -37,8 +37,8 @@ def zone_values(theta, tip, half_angle=HALF_ANGLE, s=CONCENTRATION, residual=0.0
         "left_x": tip[0], "left_angle": left, "left_residual": 0.0, "left_points": 9,
         "right_x": tip[0], "right_angle": right, "right_residual": 0.0, "right_points": 9,
         "opening": left - right, "trishear_x": tip[0], "trishear_y": tip[1], "trishear_half_angle": half_angle,
-        "trishear_s": s, "trishear_residual": residual, "left_angle_half": left, "right_angle_half": right,
-        "left_angle_twice": left, "right_angle_twice": right,
+        "trishear_s": s, "trishear_residual": residual, "trishear_residual_inside": residual,
+        "left_angle_half": left, "right_angle_half": right, "left_angle_twice": left, "right_angle_twice": right,
     }  # fmt: skip
 
 

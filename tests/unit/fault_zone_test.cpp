@@ -200,6 +200,31 @@ TEST(Trishear, TheResidualOfANoisyFieldIsTheNoise) {
     EXPECT_NEAR(fit.model.m, model.m, 0.05);
 }
 
+TEST(Trishear, TheResidualInsideDoesNotSeeHowMuchIsAtRest) {
+    const double noise = 0.02;
+    auto data = measured(model, 0);
+    const auto noisy = measured(model, noise);
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < data.size(); ++k) {
+        if (trishear_inside(model, drive, {data[k].x[0], data[k].x[1]})) {
+            data[k] = noisy[k];
+            ++n;
+        }
+    }
+    const auto near = fit_trishear(data, drive, bounds);
+    const double all = std::sqrt(static_cast<double>(n) / static_cast<double>(data.size()));
+    const double expected = std::sqrt(2.0) * noise / drive.norm();
+    // About 500 places inside with two components: the sample's scatter is 3 %; the rest is exactly on the model.
+    EXPECT_NEAR(near.residual_inside, expected, 0.1 * expected);
+    EXPECT_NEAR(near.residual, all * expected, 0.1 * all * expected);
+    for (double x = 60; x <= 200; x += 0.8) { // far ahead, at rest
+        data.push_back({{x, -60}, {0, 0}});
+    }
+    const auto far = fit_trishear(data, drive, bounds);
+    EXPECT_NEAR(far.residual_inside, near.residual_inside, 0.02 * expected);
+    EXPECT_LT(far.residual, 0.98 * near.residual);
+}
+
 TEST(Trishear, ATipIsNotSoughtBeyondItsBounds) {
     // Parallel shear, which a wedge from infinity fits best.
     std::vector<VelocityAt> data;

@@ -31,7 +31,7 @@ OUTCOMES = [
     Outcome("opening", "opening", "°", 1),
     Outcome("apical", "trishear half angle", "°", 1),
     Outcome("s", "trishear s", "", 2),
-    Outcome("residual", "trishear residual", "", 3),
+    Outcome("residual", "trishear residual inside the zone", "", 3),
     *(Outcome(f"front{k}", f"front at slip {slip:g} h", "h", 2) for k, slip in enumerate(FRONT_SLIPS)),
 ]
 
@@ -91,7 +91,7 @@ def read(run, out):
         "opening": math.degrees(_median(zone, "opening", rows)),
         "apical": math.degrees(_median(zone, "trishear_half_angle", rows)),
         "s": _median(zone, "trishear_s", rows),
-        "residual": _median(zone, "trishear_residual", rows),
+        "residual": _median(zone, "trishear_residual_inside", rows),
     }
     known = np.isfinite(surface["front"])
     beyond = (surface["front"] - run.surface_point) / run.height

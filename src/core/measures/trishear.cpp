@@ -73,14 +73,34 @@ private:
     TrishearBounds bounds_;
 };
 
+/// Unit vectors along the fault and to its upper side.
+struct FaultFrame {
+    explicit FaultFrame(const Vec<2>& drive)
+        : along(drive / drive.norm()), up(along[0] >= 0 ? Vec<2>(-along[1], along[0]) : Vec<2>(along[1], -along[0])) {}
+
+    Vec<2> along, up;
+};
+
+double residual_inside(std::span<const VelocityAt> data, const Vec<2>& drive, const Trishear& model) {
+    double squares = 0;
+    std::size_t n = 0;
+    for (const auto& at : data) {
+        const Vec<2> x(at.x[0], at.x[1]);
+        if (trishear_inside(model, drive, x)) {
+            squares += (Vec<2>(at.v[0], at.v[1]) - trishear_velocity(model, drive, x)).squaredNorm();
+            ++n;
+        }
+    }
+    return std::sqrt(squares / static_cast<double>(n)) / drive.norm(); // 0/0: none
+}
+
 } // namespace
 
 Vec<2> trishear_velocity(const Trishear& model, const Vec<2>& drive, const Vec<2>& x) {
     const double speed = drive.norm();
-    const Vec<2> along = drive / speed;
-    const Vec<2> up = along[0] >= 0 ? Vec<2>(-along[1], along[0]) : Vec<2>(along[1], -along[0]);
-    const double xi = along.dot(x - model.tip);
-    const double eta = up.dot(x - model.tip);
+    const FaultFrame frame(drive);
+    const double xi = frame.along.dot(x - model.tip);
+    const double eta = frame.up.dot(x - model.tip);
     if (std::abs(eta) >= model.m * xi) {
         return eta >= 0 ? drive : Vec<2>(Vec<2>::Zero());
     }
@@ -88,12 +108,17 @@ Vec<2> trishear_velocity(const Trishear& model, const Vec<2>& drive, const Vec<2
     const double turn = std::pow(u, 1 / model.s);
     const double v_xi = speed / 2 * (std::copysign(turn, eta) + 1);
     const double v_eta = speed / 2 * model.m / (1 + model.s) * (u * turn - 1);
-    return v_xi * along + v_eta * up;
+    return v_xi * frame.along + v_eta * frame.up;
+}
+
+bool trishear_inside(const Trishear& model, const Vec<2>& drive, const Vec<2>& x) {
+    const FaultFrame frame(drive);
+    return std::abs(frame.up.dot(x - model.tip)) < model.m * frame.along.dot(x - model.tip);
 }
 
 TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const TrishearBounds& bounds) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    const TrishearFit nothing{{{unknown, unknown}, unknown, unknown}, unknown};
+    const TrishearFit nothing{{{unknown, unknown}, unknown, unknown}, unknown, unknown};
     if (data.size() < 8 || !(drive.norm() > 0)) {
         return nothing;
     }
@@ -108,10 +133,11 @@ TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, 
             solver.minimize(p);
             const double residual = misfit.residual(p);
             if (residual < best.residual || (std::isnan(best.residual) && std::isfinite(residual))) {
-                best = {misfit.model(p), residual};
+                best = {misfit.model(p), residual, unknown};
             }
         }
     }
+    best.residual_inside = residual_inside(data, drive, best.model);
     return best;
 }
 

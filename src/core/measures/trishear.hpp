@@ -24,6 +24,9 @@ struct Trishear {
 /// Velocity at x [m/s]. @param drive V0 [m/s]: its direction is the fault's, the block above the fault moves with it.
 Vec<2> trishear_velocity(const Trishear& model, const Vec<2>& drive, const Vec<2>& x);
 
+/// Whether x is in the sheared zone, neither in the block nor at rest.
+bool trishear_inside(const Trishear& model, const Vec<2>& drive, const Vec<2>& x);
+
 /// A measured velocity. Trivially copyable.
 struct VelocityAt {
     std::array<double, 2> x{}; ///< [m]
@@ -33,6 +36,9 @@ struct VelocityAt {
 struct TrishearFit {
     Trishear model;      ///< NaN if nothing was found
     double residual = 0; ///< root mean square of |v - model| over |V0|
+    /// The same of data inside the model's zone alone, which does not depend on how much of the rest is looked at; NaN if
+    /// none is inside.
+    double residual_inside = 0;
 };
 
 /// Where the unknowns are sought. Without bounds on the tip, a zone of parallel shear is fitted best by an ever
