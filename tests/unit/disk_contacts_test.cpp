@@ -3,6 +3,7 @@
 #include "solver/disk_contacts.hpp"
 
 #include "core/neighbours.hpp"
+#include "disk_fixture.hpp"
 #include "support/kernels.hpp"
 
 #include <gtest/gtest.h>
@@ -14,66 +15,7 @@
 namespace nappe {
 namespace {
 
-constexpr double h = 0.01, r = 0.5;
-
-/// A row of pairs far apart: pair k has gap[k] and closes at approach[k]; one more grain stands over a floor at a gap of 0.2 r.
-struct Fixture {
-    explicit Fixture(const std::vector<double>& gaps, const std::vector<double>& approaches, double restitution = 0,
-                     double friction_of_floor = 0.5) {
-        scene.materials = {{"rock", 1}, {"floor", 0}};
-        scene.laws = {{0, 0, 0.5, restitution}, {0, 1, friction_of_floor, restitution}};
-        Wall<2> floor;
-        floor.name = "floor";
-        floor.material = 1;
-        floor.points = {{-1, 0}, {3, 0}};
-        scene.walls = {floor};
-        walls = Walls<2>(scene.walls);
-        std::vector<GrainRecord<2>> grains;
-        const auto add = [&](double x, double y, double vx, double mass) {
-            GrainRecord<2> g;
-            g.id = static_cast<GlobalId>(grains.size());
-            g.x = {x, y};
-            g.u.v = {vx, 0};
-            g.u.inv_m = 1 / mass;
-            g.mass = mass;
-            g.radius = r;
-            g.margin = 1;
-            grains.push_back(g);
-        };
-        add(1, 1.2 * r, 0, 2);
-        for (std::size_t k = 0; k < gaps.size(); ++k) {
-            const double x = 20.0 * static_cast<double>(k + 1);
-            add(x, 10, approaches[k], 2);
-            add(x + 2 * r + gaps[k], 10, 0, 3);
-        }
-        state.assign(grains, {}, walls.n_bodies());
-        for (LocalId k = state.n_held(); k < state.null_body(); ++k) {
-            state.material[k] = 1;
-        }
-        candidates = find_candidates(state, TileGrid<2>({0, 0}, 1000), walls, {});
-    }
-
-    /// Lower ids of the packed grain pairs, with what was packed.
-    struct Packed {
-        Vec<2> n;
-        double r_n, r_t;
-        bool wall;
-    };
-    std::map<GlobalId, Packed> packed(const DiskContacts& contacts) const {
-        std::map<GlobalId, Packed> found;
-        for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
-            contacts.for_each(t, [&](LocalId a, LocalId b, const Vec<2>& n, double r_n, double r_t) {
-                found[state.id[a]] = {n, r_n, r_t, b >= state.n_held()};
-            });
-        }
-        return found;
-    }
-
-    Scene<2> scene;
-    Walls<2> walls = Walls<2>(std::vector<Wall<2>>{});
-    State<2> state;
-    CandidateSet<2> candidates;
-};
+using namespace test;
 
 /// Packed: a gap up to 1 % of both radii, or one that twice the present approach would close; ids 1, 3, 5 … are the pairs.
 TEST(DiskContacts, PacksWhatMayActInTheStep) {
@@ -113,44 +55,6 @@ TEST(DiskContacts, RestitutionWaitsForTheTouch) {
         EXPECT_FALSE(found.count(3)) << "not in this step";
         EXPECT_TRUE(found.count(5));
         EXPECT_TRUE(found.count(7)) << "an overlap counts, even while it opens";
-    }
-}
-
-/// Bonds: within d_w a pair acts however wide its gap is, and when it is parted no pull is handed on, whether its batch
-/// stays or is packed anew.
-TEST(DiskContacts, WhatIsBondedActsAndWhatIsPartedLosesItsPull) {
-    for (const bool anew : {false, true}) {
-        Fixture f({0.1, 0.3, -0.01}, {0, 0, 0});
-        f.scene.laws[0].gamma = 1e3;
-        f.scene.laws[0].d_w = 0.2;
-        DiskContacts contacts(f.scene, disk_kernels("portable"));
-        contacts.set_cohesive(true);
-        contacts.find_bonds(f.state, f.candidates, f.walls);
-        for (std::size_t c = 0; c < f.candidates.r.size(); ++c) {
-            const auto lo = f.state.id[f.candidates.a[c]];
-            EXPECT_EQ(f.candidates.bond[c], lo == 1 ? Bond::cohesive : lo == 5 ? Bond::stick : Bond::none) << lo;
-            f.candidates.r[c] = {-1e3 * h, {0.1}};
-        }
-        contacts.pack(f.state, f.candidates, f.walls, h, false);
-        auto found = f.packed(contacts);
-        ASSERT_TRUE(found.count(1)) << "a gap of 0.1 r at rest would sleep without its bond";
-        EXPECT_FALSE(found.count(3)) << "beyond d_w";
-        EXPECT_EQ(found.at(1).r_n, -1e3 * h) << "what it had";
-
-        f.candidates.bond.assign(f.candidates.bond.size(), Bond::none);
-        if (anew) {
-            contacts.store(f.candidates);
-            contacts.forget();
-        }
-        for (LocalId i = 1; i < f.state.n_held(); ++i) { // approaching, so that all stay packed
-            f.state.u[i].v[0] = f.state.u_old[i].v[0] = i % 2 == 1 ? 100 : 0;
-        }
-        contacts.pack(f.state, f.candidates, f.walls, h, false);
-        found = f.packed(contacts);
-        for (const GlobalId lo : {1, 5}) {
-            EXPECT_EQ(found.at(lo).r_n, 0) << lo;
-            EXPECT_EQ(found.at(lo).r_t, 0) << lo;
-        }
     }
 }
 
