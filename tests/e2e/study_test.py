@@ -21,7 +21,7 @@ ROOT, NAPPE, FOLDER = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.a
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests/e2e")]
 
 import made_up_measures  # noqa: E402
-from nappe_study import plan, results  # noqa: E402
+from nappe_study import plan, report, results  # noqa: E402
 from nappe_study.fits import Study  # noqa: E402
 
 TOOL = ROOT / "tools/fault_study"
@@ -247,6 +247,7 @@ def test_report(folder):
     assert abs(best["coefficients"][1] - 30) < 4 * noise / (0.26 * math.sqrt(108)), best
     assert abs(best["coefficients"][3] + 12) < 4 and 0.04 < best["u0"] < 0.25, best
     assert not fits["residual"]["supported"], fits["residual"]
+    assert "## What cohesion changes" in text and " *" in text
     assert "| trishear residual inside the zone |" in text and text.count("| none |") >= 1
 
     near = [run["name"] for run in data["runs"] if run["too_near"]]
@@ -258,6 +259,12 @@ def test_report(folder):
 
     # A relation that is there, but explains a third of the variance, is not said to be supported.
     found = [results.read(run, folder) for run in plan.FULL.runs()]
+    differences = report.paired(found)[(45, 1e5)]["left"]
+    runs = {(run.height, run.gamma): run for run in plan.FULL.runs() if run.theta == 45}
+    formula = [left_limit(runs[h, 1e5], by_column) - left_limit(runs[h, 0.0], by_column) for h in (10, 15, 22.5)]
+    assert len(differences) == 9
+    # Nine differences of two values with that noise each.
+    assert abs(sum(differences) / 9 - sum(formula) / 3) < 4 * noise * math.sqrt(2 / 9), differences
     rng = np.random.default_rng(5)
     part = np.array([math.log10(1 + by_column(result.run) / 0.1) for result in found])
     part = part / part.std() + math.sqrt(2) * rng.standard_normal(len(found))

@@ -52,6 +52,44 @@ def table(results):
     return "\n".join(lines)
 
 
+def paired(results):
+    """What cohesion changes in one sample: (dip, γ) -> outcome key -> differences from the same dip, height and seed at
+    γ = 0, over heights and seeds."""
+    plain = {(r.run.theta, r.run.height, r.run.seed): r for r in results if r.run.gamma == 0}
+    groups = {}
+    for result in results:
+        run = result.run
+        beside = plain.get((run.theta, run.height, run.seed))
+        if run.gamma == 0 or beside is None:
+            continue
+        group = groups.setdefault((run.theta, run.gamma), {outcome.key: [] for outcome in OUTCOMES})
+        for key, values in group.items():
+            difference = result.figures[key] - beside.figures[key]
+            if math.isfinite(difference):
+                values.append(difference)
+    return groups
+
+
+def _difference(values, digits):
+    """Starred where the mean is more than twice its standard error away from nothing."""
+    if len(values) < 2:
+        return "–"
+    mean, deviation = float(np.mean(values)), float(np.std(values, ddof=1))
+    star = " *" if abs(mean) > 2 * deviation / math.sqrt(len(values)) else ""
+    return f"{mean:+.{digits}f} ± {deviation:.{digits}f}{star}"
+
+
+def paired_table(results):
+    """A row per dip and cohesion."""
+    heads = [f"{one.title} [{one.unit}]" if one.unit else one.title for one in OUTCOMES]
+    lines = [_row(["dip [°]", "γ [N]", "samples", *heads]), _row(["---:"] * (3 + len(heads)))]
+    for (theta, gamma), group in sorted(paired(results).items()):
+        n = max(len(values) for values in group.values())
+        cells = [_difference(group[outcome.key], outcome.digits) for outcome in OUTCOMES]
+        lines.append(_row([number(theta), number(gamma), n, *cells]))
+    return "\n".join(lines)
+
+
 def _value(value, digits=3):
     return f"{value:.{digits}g}" if math.isfinite(value) else "–"
 
@@ -95,6 +133,10 @@ def markdown(results, n_wanted, studies, paths, folder):
         "counted from where the fault's line meets the surface at the start, in heights of the bed, at slips of "
         f"{slips} h. Mean ± standard deviation over the seeds.",
         table(results),
+        "## What cohesion changes",
+        "Differences from the same sample (dip, height, seed) without cohesion: mean ± standard deviation over heights and "
+        "seeds, starred where the mean is more than two standard errors away from 0.",
+        paired_table(results),
         "## Relations",
         "y = a + b tan θ + c h/d + a term in cohesion; d: mean diameter, log: to base 10. R² of all runs, and in "
         "brackets of each bed (dip and height) by a fit to the other beds. Supported: that explains at least half of "
@@ -137,7 +179,7 @@ def as_json(results, studies):
         {
             "outcome": study.outcome.key,
             "scatter": _clean(study.scatter),
-            "supported": study.supported,
+            "supported": bool(study.supported),
             "best": study.best.fit.relation.name if study.best else None,
             "relations": [
                 {
