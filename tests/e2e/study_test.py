@@ -22,6 +22,7 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests/e2e")]
 
 import made_up_measures  # noqa: E402
 from nappe_study import plan, report, results  # noqa: E402
+from nappe_study import fits as fits_module  # noqa: E402
 from nappe_study.fits import Study  # noqa: E402
 
 TOOL = ROOT / "tools/fault_study"
@@ -247,6 +248,13 @@ def test_report(folder):
     assert abs(best["coefficients"][1] - 30) < 4 * noise / (0.26 * math.sqrt(108)), best
     assert abs(best["coefficients"][3] + 12) < 4 and 0.04 < best["u0"] < 0.25, best
     assert not fits["residual"]["supported"], fits["residual"]
+    # The made-up half angle does not depend on cohesion, so nothing is fitted to it; to points on a curve the curve is.
+    assert data["zone"] == []
+    grains = [0.3, 3.0, 10.0, 30.0]
+    found = fits_module.weakening(grains, [1 - 0.8 * u / (u + 10) for u in grains])
+    # u0 is sought on a grid that holds 10.
+    assert math.isclose(found.u0, 10, rel_tol=1e-9) and math.isclose(found.c, 0.8, rel_tol=1e-9) and found.r2 > 1 - 1e-9
+    assert fits_module.weakening(grains, [0.9] * 4) is None
     assert "## What cohesion changes" in text and " *" in text
     assert "| trishear residual inside the zone |" in text and text.count("| none |") >= 1
 

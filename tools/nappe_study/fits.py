@@ -138,3 +138,31 @@ class Study:
         if best is None or best.fit.relation.shape is None:
             return False
         return best.r2_foretold >= SURE and best.rms_foretold <= (1 - WORTH) * self.candidates[0].rms_foretold
+
+
+@dataclasses.dataclass(frozen=True)
+class Weakening:
+    """ratio = 1 - c f(u / u0): what cohesion leaves of a figure; r2 and rms of the points it was fitted to."""
+
+    u0: float
+    c: float
+    r2: float
+    rms: float
+    points: int
+
+
+def weakening(u, ratio):
+    """Of f saturating, least squares; None for fewer than three points or if they do not vary."""
+    u, ratio = np.asarray(u, float), np.asarray(ratio, float)
+    if len(u) < 3 or ratio.std() == 0:
+        return None
+    best, least = None, math.inf
+    for u0 in SCALES:
+        shape = _saturating(u, u0)
+        c = float(shape @ (1 - ratio) / (shape @ shape))
+        misfit = float(((1 - c * shape - ratio) ** 2).sum())
+        if misfit < least:
+            variance = float(((ratio - ratio.mean()) ** 2).sum())
+            rms = math.sqrt(misfit / len(u))
+            best, least = Weakening(float(u0), c, 1 - misfit / variance, rms, len(u)), misfit
+    return best

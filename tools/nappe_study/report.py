@@ -6,9 +6,11 @@ import math
 import numpy as np
 
 from . import pictures
-from .fits import Study
+from .fits import Study, weakening
 from .plan import number
 from .results import FRONT_SLIPS, MARGIN, OUTCOMES, SLIPS
+
+STEEP = 30  # degrees: from this dip on the zone leans forward only, as the trishear model has it
 
 
 def conditions(results):
@@ -90,6 +92,40 @@ def paired_table(results):
     return "\n".join(lines)
 
 
+def ratios(results, key):
+    """(result, its figure over that of the same dip, height and seed at γ = 0), for γ > 0."""
+    plain = {(r.run.theta, r.run.height, r.run.seed): r.figures[key] for r in results if r.run.gamma == 0}
+    pairs = []
+    for result in results:
+        run = result.run
+        beside = plain.get((run.theta, run.height, run.seed), math.nan)
+        if run.gamma > 0 and math.isfinite(result.figures[key] / beside):
+            pairs.append((result, result.figures[key] / beside))
+    return pairs
+
+
+def zone_relations(results):
+    """(dips, group's letter, Weakening) of the half apical angle: for each dip and for those of at least 30° together."""
+    pairs = ratios(results, "apical")
+    dips = sorted({result.run.theta for result, _ in pairs})
+    found = []
+    for chosen in [[dip] for dip in dips] + [[dip for dip in dips if dip >= STEEP]]:
+        for letter, group in (("G", "by_grain"), ("C", "by_column")):
+            points = [(getattr(result, group), ratio) for result, ratio in pairs if result.run.theta in chosen]
+            fit = weakening(*zip(*points)) if points else None
+            if fit:
+                found.append((chosen, letter, fit))
+    return found
+
+
+def zone_table(results):
+    lines = [_row(["dips [°]", "relation", "R²", "RMS", "runs"]), _row(["---", "---", "---:", "---:", "---:"])]
+    for dips, letter, fit in zone_relations(results):
+        relation = f"1 − {fit.c:.2f} {letter} / ({letter} + {fit.u0:.2g})"
+        lines.append(_row([", ".join(map(number, dips)), relation, f"{fit.r2:.2f}", f"{fit.rms:.2f}", fit.points]))
+    return "\n".join(lines)
+
+
 def _value(value, digits=3):
     return f"{value:.{digits}g}" if math.isfinite(value) else "–"
 
@@ -143,6 +179,11 @@ def markdown(results, n_wanted, studies, paths, folder):
         "the variance, with an error a tenth smaller than without cohesion.",
     ]
     parts.append(fits_table(studies) if studies else "Too few runs for a fit.")
+    parts += [
+        "## The half apical angle, over that without cohesion",
+        "Of the same dip, height and seed; with R² and RMS of the runs fitted. A negative R² says that the mean does better.",
+        zone_table(results),
+    ]
     parts += ["## Checks", near_ends(results), "## Pictures"]
     parts += [f"![{path.stem.replace('-', ' ')}]({_relative(path, folder)})" for path in paths]
     return "\n\n".join(parts) + "\n"
@@ -195,7 +236,11 @@ def as_json(results, studies):
         }
         for study in studies
     ]
-    return {"runs": runs, "fits": fits}
+    zone = [
+        {"dips": dips, "group": letter, **{name: _clean(value) for name, value in vars(fit).items()}}
+        for dips, letter, fit in zone_relations(results)
+    ]
+    return {"runs": runs, "fits": fits, "zone": zone}
 
 
 def write(results, n_wanted, out, folder):
