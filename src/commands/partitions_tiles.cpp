@@ -86,7 +86,7 @@ TileStatistics measure_tiles(const State<2>& state, const TileGrid<2>& grid, con
                              const std::vector<std::int64_t>& relaxations, const std::vector<FilledTile>& tiles) {
     double range_max = 0;
     for (std::size_t i = 0; i < state.radius.size(); ++i) {
-        range_max = std::max(range_max, state.radius[i] + state.margin[i]);
+        range_max = std::max(range_max, state.reach(static_cast<LocalId>(i)));
     }
     std::map<TileKey, std::size_t> row; // of the tiles inside
     for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -112,7 +112,7 @@ TileStatistics measure_tiles(const State<2>& state, const TileGrid<2>& grid, con
                 return;
             }
             touched_by[i] = static_cast<std::int32_t>(t);
-            const double range = state.radius[i] + state.margin[i] + range_max;
+            const double range = state.reach(body) + range_max;
             std::uint32_t holders = 0;
             for (std::size_t k = 0; k < ring.size(); ++k) {
                 holders |= grid.distance(state.x_ref[i], ring[k]) <= range ? std::uint32_t{1} << k : 0;

@@ -78,7 +78,7 @@ void Recorder::begin() {
     write_scene();
     initial_ = cell_shapes(simulation_);
     const auto& output = simulation_.scene().output;
-    const double bin = output.front_bin > 0 ? output.front_bin : 4 * simulation_.mean_radius();
+    const double bin = output.bin_for(simulation_.mean_radius());
     bed_ = bin > 0 ? median_height(free_surface(simulation_, bin)) : 0.0;
 
     // The forces that the settled sample carries, as if of one step.
@@ -130,7 +130,7 @@ void Recorder::write_row(std::int64_t step, double time) {
     write_energy(step, time);
 
     const auto& output = simulation_.scene().output;
-    const double bin = output.front_bin > 0 ? output.front_bin : 4 * simulation_.mean_radius();
+    const double bin = output.bin_for(simulation_.mean_radius());
     const double front = bin > 0 ? front_position(free_surface(simulation_, bin), bed_, 4 * simulation_.mean_radius())
                                  : std::numeric_limits<double>::quiet_NaN();
     overlaps_ = overlaps(simulation_);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 
 namespace nappe::scene_file {
 
@@ -227,8 +228,12 @@ void read_materials(const TableReader& top, Scene<2>& scene) {
         Material material{name, 0};
         table.read("density", material.density,
                    positive("kg/m³", "give the mass per area, or leave it out if only walls are made of it"));
-        table.read("gamma", material.gamma, gamma_rule());
-        table.read("d_w", material.d_w, d_w_rule());
+        for (const auto& [key, value, rule] :
+             {std::tuple("gamma", &material.gamma, gamma_rule()), std::tuple("d_w", &material.d_w, d_w_rule())}) {
+            if (table.has(key) && !table.read(key, *value, rule)) {
+                *value = 0; // given, so that its laws do not miss it as well
+            }
+        }
         if (name == "wall") {
             scene.materials.front() = material;
         } else {

@@ -21,7 +21,7 @@ ROOT, NAPPE, FOLDER = Path(sys.argv[1]).resolve(), Path(sys.argv[2]), Path(sys.a
 sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests/e2e")]
 
 import made_up_measures  # noqa: E402
-from nappe_study import plan, report, results  # noqa: E402
+from nappe_study import plan, reference, report, results  # noqa: E402
 from nappe_study import fits as fits_module  # noqa: E402
 from nappe_study.fits import Study  # noqa: E402
 
@@ -294,7 +294,53 @@ def test_program(folder):
     assert "2 of 2 runs" in (folder / "report.md").read_text()
 
 
-TESTS = {"list": test_list, "resume": test_resume, "stop": test_stop, "report": test_report, "program": test_program}
+def test_table(folder):
+    """Figures of one made-up run of the reference scene, each in its own unit."""
+    out = folder / "run"
+    times = [(step, step / 100) for step in range(0, 4001, 200)]
+    zone = made_up_measures.zone_values(math.radians(30), (75, 0), half_angle=math.radians(12), s=1.0, residual=0.05)
+    outcrop = 75 + 15 / math.tan(math.radians(30))
+    surface = {"front": outcrop + 8, "slope": math.radians(25), "curvature": -0.1}
+    tables = {
+        "measures/zone": (made_up_measures.ZONE, zone),
+        "measures/surface": (made_up_measures.SURFACE, surface),
+        "series/cell-W1": (["p", "q", "lambda_x", "lambda_y"], {"p": 2e5, "q": 5e4, "lambda_x": 1.4, "lambda_y": 1.5}),
+        "series/energy": (
+            ["wall_work", "friction", "impact", "cohesion", "error"],
+            {"wall_work": 2e8, "friction": 2e7, "impact": 3e6, "cohesion": 1e6, "error": 2.0},
+        ),
+        "series/solver": (["residual"], {"residual": 0.1}),
+    }
+    for name, (columns, values) in tables.items():
+        made_up_measures.write_table(out / f"{name}.csv", columns, [(step, t, values) for step, t in times])
+    scene = plan.SCENE.read_text().replace("gamma = 0.0", "gamma = 1e4")
+    summary = {"scene": scene, "overlap_mean": 0.001, "overlap_max_of_rows": 0.1, "state_hash": "ab"}
+    (out / "summary.json").write_text(json.dumps(summary))
+    of_fields, reference._of_fields = reference._of_fields, lambda run, height: (0.04, 5.0)
+    try:
+        rows = dict(reference.figures(reference.Run(out)))
+    finally:
+        reference._of_fields = of_fields
+    expected = {
+        "γ over a grain's weight": "2.9",
+        "front beyond the fault's outcrop at 20 s, 40 s [m]": "8.0, 8.0",
+        "slope of the surface at 40 s [°]": "25",
+        "left limit [°]": "42 ± 0",
+        "right limit [°]": "18 ± 0",
+        "opening [°]": "24 ± 0",
+        "trishear: half apical angle [°]": "12 ± 0",
+        "trishear: late frames with s, with the tip at a bound": "11, 0 of 11",
+        "p in W1, means over 0–10, 10–20, 20–30, 30–40 s [kPa]": "200, 200, 200, 200",
+        "lost to friction, impact, cohesion by 40 s [MJ/m]": "20.00, 3.00, 1.00",
+        "error of the energy balance / work of walls": "1e-08",
+    }
+    assert {name: rows[name] for name in expected} == expected, rows
+    # No column of docs/fault.md is of another version of the table.
+    page = (plan.SCENE.parents[1] / "docs" / "fault.md").read_text()
+    assert [name for name in rows if f"| {name} |" not in page] == []
+
+
+TESTS = {"table": test_table, "list": test_list, "resume": test_resume, "stop": test_stop, "report": test_report, "program": test_program}
 
 if __name__ == "__main__":
     for name in sys.argv[4:] or TESTS:

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace nappe {
 namespace {
@@ -201,17 +202,30 @@ protected:
     CandidateSet<2> candidates;
 };
 
-TEST_F(Block, BatchesThatStayAreThoseOfAFreshPacking) {
+class KeptBlock : public Block, public testing::WithParamInterface<bool> {};
+
+/// With cohesion and without: pulls of the size of the block's impulses, bonds up to a gap that pairs come and go through.
+TEST_P(KeptBlock, BatchesThatStayAreThoseOfAFreshPacking) {
+    const bool cohesive = GetParam();
+    scene.laws[0].gamma = cohesive ? 2 : 0;
+    scene.laws[0].d_w = 0.013;
     for (const char* kernel : test::kernels_here()) {
         SCOPED_TRACE(kernel);
         DiskContacts kept(scene, disk_kernels(kernel));
+        kept.set_cohesive(cohesive);
+        std::set<Bond> met;
         const State<2> start = state;
         std::int64_t least = candidates.size(), most = 0;
         for (int step = 0; step < 12; ++step) {
+            if (cohesive) {
+                kept.find_bonds(state, candidates, walls);
+                met.insert(candidates.bond.begin(), candidates.bond.end());
+            }
             kept.pack(state, candidates, walls, h, false);
             auto impulses = candidates; // what the batches hold
             kept.store(impulses);
             DiskContacts fresh(scene, disk_kernels(kernel));
+            fresh.set_cohesive(cohesive);
             fresh.pack(state, impulses, walls, h, false);
             ASSERT_EQ(kept.n_active(), fresh.n_active());
             least = std::min(least, kept.n_active());
@@ -237,9 +251,13 @@ TEST_F(Block, BatchesThatStayAreThoseOfAFreshPacking) {
             move(step % 3 == 2 ? 0.5 * h : 1e-6 * h); // nothing changes for two steps, then some
         }
         EXPECT_LT(least, most) << "no contact came or went: the case is too easy";
+        EXPECT_EQ(met.size(), cohesive ? 3u : 0u) << "a state of the graph was not met";
         state = start;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(DiskContacts, KeptBlock, testing::Bool(),
+                         [](const auto& tested) { return tested.param ? "cohesive" : "plain"; });
 
 TEST_F(Block, BatchesDoWhatTheFrozenOrderDoes) {
     DiskContacts contacts(scene, disk_kernels("portable"));

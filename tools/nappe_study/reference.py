@@ -7,7 +7,7 @@ import tomllib
 import numpy as np
 from nappe_plot import fault, fields, tables
 
-from .results import grain_weight
+from .results import mean_grain_area
 
 LATE = (20.0, 40.0)  # s: the zone is formed, the surface flows
 PHASES = ((0, 10), (10, 20), (20, 30), (30, 40))  # s, those that the seed speaks of
@@ -16,7 +16,10 @@ PHASES = ((0, 10), (10, 20), (20, 30), (30, 40))  # s, those that the seed speak
 class Run:
     def __init__(self, folder):
         self.folder = folder
-        self.summary = json.loads((folder / "summary.json").read_text())
+        try:
+            self.summary = json.loads((folder / "summary.json").read_text())
+        except (OSError, json.JSONDecodeError) as error:
+            raise SystemExit(f"fault_study: {folder} holds no finished run ({error}); name folders that nappe run has made")
         self.scene = tomllib.loads(self.summary["scene"])
         self.gamma = float(self.scene["materials"]["rock"]["gamma"])
 
@@ -82,17 +85,18 @@ def figures(run):
         middle, spread = run.median(zone, column)
         return f"{middle:.{digits}f} ± {spread:.{digits}f}"
 
-    yield "γ over a grain's weight", f"{run.gamma / (weight * grain_weight(sample['radius'])):.2g}"
+    yield "γ over a grain's weight", f"{run.gamma / (weight * mean_grain_area(sample['radius'])):.2g}"
     yield "front beyond the fault's outcrop at 20 s, 40 s [m]", ", ".join(
         f"{front - fault_out:.1f}" for front in (_at(run.table(surface), "front", t) for t in LATE)
     )
-    yield "slope of the surface at 40 s [°]", f"{degrees(math.atan(run.last(surface, 'slope'))):.0f}"
+    yield "slope of the surface at 40 s [°]", f"{degrees(run.last(surface, 'slope')):.0f}"
     yield "curvature of the surface at 40 s [1/m]", f"{run.last(surface, 'curvature'):.3f}"
     yield "left limit [°]", angle("left_angle")
     yield "left limit, tolerance halved, doubled [°]", f"{angle('left_angle_half')}, {angle('left_angle_twice')}"
     yield "right limit [°]", angle("right_angle")
     yield "right limit, tolerance halved, doubled [°]", f"{angle('right_angle_half')}, {angle('right_angle_twice')}"
     yield "opening [°]", angle("opening")
+    yield "trishear: late frames with s, with the tip at a bound", _at_bounds(run.table(zone), wall["tip"], height)
     yield "trishear: half apical angle [°]", angle("trishear_half_angle")
     yield "trishear: s", plain("trishear_s", 2)
     yield "trishear: residual / V0", plain("trishear_residual", 3)
@@ -134,6 +138,14 @@ def figures(run):
 
 def _at(table, column, time):
     return float(table[column][np.argmin(np.abs(table["time"] - time))])
+
+
+def _at_bounds(zone, tip, height):
+    """The fit's bounds are those of docs/measures.md: s in [1, 20], the tip within two thicknesses of the bed."""
+    late = (zone["time"] >= LATE[0] - 1e-9) & (zone["time"] <= LATE[1] + 1e-9)
+    s, reach = zone["trishear_s"][late], 2 * height
+    away = np.maximum(abs(zone["trishear_x"][late] - tip[0]), abs(zone["trishear_y"][late] - tip[1]))
+    return f"{np.sum((s < 1.001) | (s > 19.9))}, {np.sum(away > 0.999 * reach)} of {np.sum(late)}"
 
 
 def markdown(folders):

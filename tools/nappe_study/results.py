@@ -55,7 +55,7 @@ def is_measured(run, out):
     return steps is not None and all(table is not None and table["step"][-1] == steps for table in found)
 
 
-def grain_weight(radii):
+def mean_grain_area(radii):
     """Mean weight [N per metre of depth] over density and gravity is the mean of pi r²; radii uniform in [min, max]."""
     low, high = radii["min"], radii["max"]
     return math.pi * (low * low + low * high + high * high) / 3
@@ -106,7 +106,7 @@ def read(run, out):
     return Result(
         run,
         figures,
-        run.gamma / (weight * grain_weight(radii)),
+        run.gamma / (weight * mean_grain_area(radii)),
         run.gamma / (weight * run.height * diameter),
         run.height / diameter,
         _too_near(run, zone, surface),

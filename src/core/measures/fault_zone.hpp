@@ -19,7 +19,8 @@ struct ZoneRule {
     double range = 0;              ///< of the kernel [m]: so near to the floor or the surface nothing counts
 };
 
-/// Whether the whole kernel of a node lies in the material: a range above the floor, a range below the surface there.
+/// Whether the kernel of a node lies in the material at the start: a range above the floor that was, a range below the
+/// surface that is. Over a block that has risen since, kernels within a range of its top reach into it.
 bool is_inside(const Surface& surface, const ZoneRule& rule, double x, double y);
 
 /// Points of both limits, at = height y, value = x, in the order of rows.
