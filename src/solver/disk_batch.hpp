@@ -10,8 +10,8 @@ namespace nappe {
 /// order.
 inline constexpr int n_lanes = 8;
 
-/// One batch, 56 bytes a contact. n points from b to a. A null contact pads a batch: both bodies null, m_eff = 0.
-/// A contact that sleeps keeps its lane, with m_eff = 0 and no impulses: it changes nothing.
+/// One batch, 48 bytes a contact: what every law needs. n points from b to a. A null contact pads a batch: both bodies
+/// null, m_eff = 0. A contact that sleeps keeps its lane, with m_eff = 0 and no impulses: it changes nothing.
 /// (Rejected: the normal as an angle or in single precision — the same cache lines and other bits; 1/W_tt beside
 /// 1/W_nn — for disks it is a third of it.)
 struct alignas(64) DiskBatch {
@@ -19,8 +19,12 @@ struct alignas(64) DiskBatch {
     double bias[n_lanes];                 ///< b [m/s], docs/notation.md
     double m_eff[n_lanes];                ///< 1/W_nn [kg]
     double r_n[n_lanes];                  ///< normal impulse [N s]
-    double r_t[n_lanes];                  ///< tangential impulse [N s]
     std::uint32_t a[n_lanes], b[n_lanes]; ///< bodies: 4 x row, the first of a body's four doubles in `u` and `mid`
+};
+
+/// Tangential impulses of a batch, kept only by scenes with friction.
+struct alignas(64) TangentBatch {
+    double r_t[n_lanes]; ///< [N s]
 };
 
 /// Friction coefficients of a batch, kept only by scenes whose laws differ in it.
@@ -32,6 +36,16 @@ struct alignas(64) FrictionBatch {
 /// plain law does.
 struct alignas(64) CohesionBatch {
     double most[n_lanes]; ///< [N s]
+};
+
+/// n batches that follow each other, and what the scene's laws add to each of them: nullptr where nothing.
+struct BatchSpan {
+    DiskBatch* contacts = nullptr;
+    std::int64_t n = 0;
+    TangentBatch* tangent = nullptr;         ///< nullptr: no friction, and no tangential part of anything
+    const FrictionBatch* friction = nullptr; ///< nullptr: `mu` holds for all
+    const CohesionBatch* cohesion = nullptr; ///< nullptr: the plain law
+    double mu = 0;
 };
 
 /// Where eight pairs of disks stand; of a pair with a wall, size and gap are NaN.
@@ -58,20 +72,15 @@ struct BodyRange {
 /// The kernels of one instruction set.
 struct DiskKernels {
     const char* name;
-    /// One Gauss–Seidel pass over n batches, in order. `mixed` is nullptr where one `mu` holds for all.
-    void (*relax)(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u, BodyRange soon);
-    /// The same with cohesion: r_n down to -most, friction up to mu (r_n + most).
-    void (*relax_cohesive)(DiskBatch* batches, const FrictionBatch* mixed, const CohesionBatch* cohesion,
-                           std::int64_t n, double mu, double* u, BodyRange soon);
+    /// One Gauss–Seidel pass over the batches, in order. With cohesion r_n goes down to -most, friction up to
+    /// mu (r_n + most); without friction spins are left as they are.
+    void (*relax)(const BatchSpan& batches, double* u, BodyRange soon);
     /// Adds the effect of the impulses that the batches hold to the velocities: a warm start.
-    void (*apply)(const DiskBatch* batches, std::int64_t n, double* u);
+    void (*apply)(const BatchSpan& batches, double* u);
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that
-    /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back. Returns how many are awake.
-    /// Lanes of walls count as awake; what they get is for the caller to overwrite.
-    std::int64_t (*refresh)(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h);
-    /// The same with cohesion: what is bonded never sleeps.
-    std::int64_t (*refresh_cohesive)(DiskBatch* batches, const CohesionBatch* cohesion, std::int64_t n,
-                                     const BodyArrays& bodies, double h);
+    /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back; what is bonded never sleeps.
+    /// Returns how many are awake. Lanes of walls count as awake; what they get is for the caller to overwrite.
+    std::int64_t (*refresh)(const BatchSpan& batches, const BodyArrays& bodies, double h);
     /// Pairs which[0] … which[n-1] of the lists a and b (rows); `which` nullptr: the first n. Writes (n + 7) / 8
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

@@ -53,7 +53,8 @@ void DiskContacts::refresh_bond(std::int64_t slot, const Step& step, std::int32_
     }
     most = 0;
     if (batch.r_n[l] < 0) {
-        batch.r_n[l] = batch.r_t[l] = 0;
+        batch.r_n[l] = 0;
+        set_tangential(slot / n_lanes, l, 0);
     }
 }
 

@@ -89,11 +89,8 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
     const std::int64_t was_active = range.active;
     if (cohesive_) {
         refresh_bonds(range, step);
-        range.active = kernels_->refresh_cohesive(batches_.data() + range.begin, cohesion_.data() + range.begin,
-                                                  range.n, step.bodies, step.h);
-    } else {
-        range.active = kernels_->refresh(batches_.data() + range.begin, range.n, step.bodies, step.h);
     }
+    range.active = kernels_->refresh(span(range), step.bodies, step.h);
     for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
         WallPair& pair = walls_[static_cast<std::size_t>(w)];
         const auto found = judge_wall(step, pair.candidate, faults);
@@ -110,7 +107,8 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
             batch.ny[l] = found.n[1];
             batch.bias[l] = found.bias;
             if (!acts) {
-                batch.m_eff[l] = batch.r_n[l] = batch.r_t[l] = 0;
+                batch.m_eff[l] = batch.r_n[l] = 0;
+                set_tangential(pair.slot / n_lanes, l, 0);
                 --range.active;
             }
         }
@@ -259,7 +257,7 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
     batch.bias[l] = found.bias;
     batch.m_eff[l] = 1.0 / (step.state.u[a].inv_m + step.state.u[b].inv_m);
     batch.r_n[l] = step.candidates.r[c].n;
-    batch.r_t[l] = step.candidates.r[c].t[0];
+    set_tangential(at, l, step.candidates.r[c].t[0]);
     batch.a[l] = 4u * static_cast<std::uint32_t>(a);
     batch.b[l] = 4u * static_cast<std::uint32_t>(b);
     if (!laws_.uniform) {

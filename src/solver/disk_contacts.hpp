@@ -63,20 +63,12 @@ public:
 
     /// Local. One pass over a tile; `next` is the tile after it, whose bodies are fetched meanwhile, or no_tile.
     void relax(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u) {
-        const Range& r = ranges_[tile];
         const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        const FrictionBatch* friction = laws_.uniform ? nullptr : friction_.data() + r.begin;
-        if (cohesive_) {
-            kernels_->relax_cohesive(batches_.data() + r.begin, friction, cohesion_.data() + r.begin, r.n,
-                                     laws_.uniform_friction, u.data()->v.data(), soon);
-            return;
-        }
-        kernels_->relax(batches_.data() + r.begin, friction, r.n, laws_.uniform_friction, u.data()->v.data(), soon);
+        kernels_->relax(span(ranges_[tile]), u.data()->v.data(), soon);
     }
 
-    void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) const {
-        const Range& r = ranges_[tile];
-        kernels_->apply(batches_.data() + r.begin, r.n, u.data()->v.data());
+    void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
+        kernels_->apply(span(ranges_[tile]), u.data()->v.data());
     }
 
     /// Local. One tile's residual at velocities u.
@@ -99,21 +91,23 @@ public:
     /// Calls f(a, b, n, impulse) for the packed contacts of a tile, in the order of candidates.
     template <class F>
     void for_each(std::size_t tile, F&& f) const {
-        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t, int l) {
-            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), batch.r_n[l], batch.r_t[l]);
+        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), batch.r_n[l], tangential(k, l));
         });
     }
 
     /// Of a packed contact where one friction coefficient serves all.
-    static constexpr std::size_t bytes_per_packed = sizeof(DiskBatch) / n_lanes + sizeof(std::int32_t);
+    static constexpr std::size_t bytes_per_packed =
+        (sizeof(DiskBatch) + sizeof(TangentBatch)) / n_lanes + sizeof(std::int32_t);
 
     std::size_t bytes_per_contact() const {
-        return bytes_per_packed + (laws_.uniform ? 0 : sizeof(double)) +
+        return bytes_per_packed - (laws_.any_friction ? 0 : sizeof(double)) + (laws_.uniform ? 0 : sizeof(double)) +
                (cohesive_ ? sizeof(double) + sizeof(Bond) : 0);
     }
     /// By one sweep, without bodies.
     std::size_t bytes_swept() const {
-        return batches_.size() * (sizeof(DiskBatch) + (cohesive_ ? sizeof(CohesionBatch) : 0));
+        return batches_.size() * sizeof(DiskBatch) + tangent_.size() * sizeof(TangentBatch) +
+               friction_.size() * sizeof(FrictionBatch) + cohesion_.size() * sizeof(CohesionBatch);
     }
     const char* instruction_set() const { return kernels_->name; }
 
@@ -160,6 +154,20 @@ private:
     static BodyArrays arrays(const State<2>& state) {
         return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
     }
+    BatchSpan span(const Range& range) {
+        const auto from = [&](auto& side) { return side.empty() ? nullptr : side.data() + range.begin; };
+        return {batches_.data() + range.begin, range.n, from(tangent_), from(friction_), from(cohesion_),
+                laws_.uniform_friction};
+    }
+    /// The tangential impulse of a lane [N s].
+    double tangential(std::int64_t batch, std::int64_t l) const {
+        return tangent_.empty() ? 0.0 : tangent_[static_cast<std::size_t>(batch)].r_t[l];
+    }
+    void set_tangential(std::int64_t batch, std::int64_t l, double r_t) {
+        if (!tangent_.empty()) {
+            tangent_[static_cast<std::size_t>(batch)].r_t[l] = r_t;
+        }
+    }
     static LocalId row(std::uint32_t index) { return static_cast<LocalId>(index / 4); }
 
     /// Contacts that do not sleep, in the order of candidates: lanes are where there was room, which depends on what the
@@ -205,6 +213,7 @@ private:
     PairLaws laws_;
     const DiskKernels* kernels_;
     std::vector<DiskBatch> batches_;
+    std::vector<TangentBatch> tangent_;   ///< empty unless laws_.any_friction
     std::vector<FrictionBatch> friction_; ///< empty if laws_.uniform
     std::vector<CohesionBatch> cohesion_; ///< empty unless cohesive_
     bool cohesive_ = false;

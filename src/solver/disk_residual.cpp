@@ -26,10 +26,11 @@ RawResidual DiskContacts::residual(std::size_t tile, const std::vector<BodyVeloc
         const double wanted_n = batch.r_n[l] - (v_n + batch.bias[l]) * batch.m_eff[l];
         const double new_n = wanted_n > -most ? wanted_n : 0.0 - most;
         const double limit = mu * (new_n + most);
-        const double wanted_t = batch.r_t[l] - v_t / w_t;
+        const double r_t = tangential(k, l);
+        const double wanted_t = r_t - v_t / w_t;
         const double above = wanted_t > limit ? limit : wanted_t;
         const double new_t = above < -limit ? -limit : above;
-        const double e_n = w_n * (batch.r_n[l] - new_n), e_t = w_t * (batch.r_t[l] - new_t);
+        const double e_n = w_n * (batch.r_n[l] - new_n), e_t = w_t * (r_t - new_t);
         const double squared = e_n * e_n + e_t * e_t;
         sum.largest_squared = squared > sum.largest_squared ? squared : sum.largest_squared;
         sum.sum_squared += squared;

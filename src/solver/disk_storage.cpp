@@ -15,6 +15,7 @@ void DiskContacts::lay_out(const Step& step) {
     batches_.reserve(most); // address space: what is not used is never touched
     source_.clear();
     source_.reserve(most * n_lanes);
+    tangent_.clear();
     friction_.clear();
     cohesion_.clear();
     walls_.clear();
@@ -43,6 +44,9 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     range.room += n;
     batches_.resize(static_cast<std::size_t>(range.begin + range.room));
     source_.resize(batches_.size() * n_lanes, -1);
+    if (laws_.any_friction) {
+        tangent_.resize(batches_.size());
+    }
     if (!laws_.uniform) {
         friction_.resize(batches_.size());
     }
@@ -58,6 +62,9 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     std::fill(std::begin(batch.a), std::end(batch.a), 4u * static_cast<std::uint32_t>(null_body));
     std::fill(std::begin(batch.b), std::end(batch.b), 4u * static_cast<std::uint32_t>(null_body));
     std::fill_n(source_.begin() + at * n_lanes, n_lanes, -1);
+    if (laws_.any_friction) {
+        tangent_[static_cast<std::size_t>(at)] = {};
+    }
     if (cohesive_) {
         cohesion_[static_cast<std::size_t>(at)] = {};
     }
@@ -81,7 +88,7 @@ void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) con
     const auto& of = candidates.tiles[tile];
     std::fill(candidates.r.begin() + of.candidates_begin, candidates.r.begin() + of.candidates_end, Impulse<2>{});
     for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
-        candidates.r[source_[static_cast<std::size_t>(k * n_lanes + l)]] = {batch.r_n[l], {batch.r_t[l]}};
+        candidates.r[source_[static_cast<std::size_t>(k * n_lanes + l)]] = {batch.r_n[l], {tangential(k, l)}};
     });
 }
 

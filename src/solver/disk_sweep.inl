@@ -177,7 +177,17 @@ NAPPE_INLINE void scatter(double* u, const std::uint32_t* i, const Bodies& v) {
 }
 #endif
 
-/// The impulses d_n, d_t act on both bodies of each lane.
+/// The impulse d_n acts on both bodies of each lane.
+NAPPE_INLINE void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, const Lane& d_n) {
+    const Lane px = d_n * nx;
+    const Lane py = d_n * ny;
+    a.x += px * a.w;
+    a.y += py * a.w;
+    b.x -= px * b.w;
+    b.y -= py * b.w;
+}
+
+/// The impulses d_n, d_t do.
 NAPPE_INLINE void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, const Lane& d_n, const Lane& d_t) {
     const Lane px = d_n * nx - d_t * ny;
     const Lane py = d_n * ny + d_t * nx;
@@ -190,9 +200,10 @@ NAPPE_INLINE void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, con
     b.s -= spin * b.w;
 }
 
-template <bool Mixed, bool Cohesive>
-NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, const CohesionBatch* cohesion,
-                            std::int64_t n, double mu_uniform, double* u, BodyRange soon) {
+enum class Friction { none, uniform, mixed };
+
+template <Friction friction, bool cohesive>
+NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon) {
     constexpr int doubles_per_line = 8, lines_per_batch = 3; // of a cache; own bodies of a tile are two a batch
     constexpr int batches_ahead = 8;                         // about 200 ns: what memory takes
     Lane zero = {};
@@ -200,10 +211,16 @@ NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, cons
     asm("" : "+x"(zero)); // not a literal, so that the selection below is one instruction, a maximum
 #endif
     const double third = 1.0 / 3.0;
-    for (std::int64_t k = 0; k < n; ++k) {
-        DiskBatch& batch = batches[k];
+    const double mu = batches.mu;
+    DiskBatch* const contacts = batches.contacts;
+    TangentBatch* const tangent = batches.tangent;
+    for (std::int64_t k = 0; k < batches.n; ++k) {
+        DiskBatch& batch = contacts[k];
         for (int line = 0; line < static_cast<int>(sizeof(DiskBatch) / 64); ++line) {
-            __builtin_prefetch(reinterpret_cast<const char*>(batches + k + batches_ahead) + 64 * line, 1);
+            __builtin_prefetch(reinterpret_cast<const char*>(contacts + k + batches_ahead) + 64 * line, 1);
+        }
+        if (friction != Friction::none) {
+            __builtin_prefetch(tangent + k + batches_ahead, 1);
         }
         for (int line = 0; line < lines_per_batch && soon.begin < soon.end; ++line) {
             __builtin_prefetch(u + soon.begin, 1);
@@ -213,53 +230,66 @@ NAPPE_INLINE void relax_all(DiskBatch* batches, const FrictionBatch* mixed, cons
             Bodies a = gather(u, batch.a + l);
             Bodies b = gather(u, batch.b + l);
             const Lane nx = load(batch.nx + l), ny = load(batch.ny + l), m = load(batch.m_eff + l);
-            const Lane r_n = load(batch.r_n + l), r_t = load(batch.r_t + l);
+            const Lane r_n = load(batch.r_n + l);
             const Lane dvx = a.x - b.x, dvy = a.y - b.y;
             const Lane v_n = nx * dvx + ny * dvy;
-            const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
             const Lane wanted_n = r_n - (v_n + load(batch.bias + l)) * m;
             // zero - 0 is +0, as the plain law has it: with gamma = 0 both give the same bits.
-            const Lane most = Cohesive ? load(cohesion[k].most + l) : zero;
-            const Lane least = Cohesive ? zero - most : zero;
+            const Lane most = cohesive ? load(batches.cohesion[k].most + l) : zero;
+            const Lane least = cohesive ? zero - most : zero;
             const Lane new_n = wanted_n > least ? wanted_n : least;
-            const Lane pressed = Cohesive ? new_n + most : new_n;
-            const Lane limit = Mixed ? load(mixed[k].mu + l) * pressed : mu_uniform * pressed;
-            const Lane wanted_t = r_t - v_t * (m * third);
-            const Lane above = wanted_t > limit ? limit : wanted_t;
-            const Lane new_t = above < -limit ? -limit : above;
             store(batch.r_n + l, new_n);
-            store(batch.r_t + l, new_t);
-            push(a, b, nx, ny, new_n - r_n, new_t - r_t);
+            if constexpr (friction == Friction::none) {
+                push(a, b, nx, ny, new_n - r_n);
+            } else {
+                const Lane r_t = load(tangent[k].r_t + l);
+                const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
+                const Lane pressed = cohesive ? new_n + most : new_n;
+                const Lane limit =
+                    friction == Friction::mixed ? load(batches.friction[k].mu + l) * pressed : mu * pressed;
+                const Lane wanted_t = r_t - v_t * (m * third);
+                const Lane above = wanted_t > limit ? limit : wanted_t;
+                const Lane new_t = above < -limit ? -limit : above;
+                store(tangent[k].r_t + l, new_t);
+                push(a, b, nx, ny, new_n - r_n, new_t - r_t);
+            }
             scatter(u, batch.a + l, a);
             scatter(u, batch.b + l, b);
         }
     }
 }
 
-void relax(DiskBatch* batches, const FrictionBatch* mixed, std::int64_t n, double mu, double* u, BodyRange soon) {
-    if (mixed != nullptr) {
-        relax_all<true, false>(batches, mixed, nullptr, n, mu, u, soon);
+template <bool cohesive>
+NAPPE_INLINE void relax_by_friction(const BatchSpan& batches, double* u, BodyRange soon) {
+    if (batches.tangent == nullptr) {
+        relax_all<Friction::none, cohesive>(batches, u, soon);
+    } else if (batches.friction == nullptr) {
+        relax_all<Friction::uniform, cohesive>(batches, u, soon);
     } else {
-        relax_all<false, false>(batches, mixed, nullptr, n, mu, u, soon);
+        relax_all<Friction::mixed, cohesive>(batches, u, soon);
     }
 }
 
-void relax_cohesive(DiskBatch* batches, const FrictionBatch* mixed, const CohesionBatch* cohesion, std::int64_t n,
-                    double mu, double* u, BodyRange soon) {
-    if (mixed != nullptr) {
-        relax_all<true, true>(batches, mixed, cohesion, n, mu, u, soon);
+void relax(const BatchSpan& batches, double* u, BodyRange soon) {
+    if (batches.cohesion == nullptr) {
+        relax_by_friction<false>(batches, u, soon);
     } else {
-        relax_all<false, true>(batches, mixed, cohesion, n, mu, u, soon);
+        relax_by_friction<true>(batches, u, soon);
     }
 }
 
-void apply(const DiskBatch* batches, std::int64_t n, double* u) {
-    for (std::int64_t k = 0; k < n; ++k) {
-        const DiskBatch& batch = batches[k];
+void apply(const BatchSpan& batches, double* u) {
+    for (std::int64_t k = 0; k < batches.n; ++k) {
+        const DiskBatch& batch = batches.contacts[k];
         for (int l = 0; l < n_lanes; l += width) {
             Bodies a = gather(u, batch.a + l);
             Bodies b = gather(u, batch.b + l);
-            push(a, b, load(batch.nx + l), load(batch.ny + l), load(batch.r_n + l), load(batch.r_t + l));
+            const Lane nx = load(batch.nx + l), ny = load(batch.ny + l), r_n = load(batch.r_n + l);
+            if (batches.tangent == nullptr) {
+                push(a, b, nx, ny, r_n);
+            } else {
+                push(a, b, nx, ny, r_n, load(batches.tangent[k].r_t + l));
+            }
             scatter(u, batch.a + l, a);
             scatter(u, batch.b + l, b);
         }
@@ -288,39 +318,33 @@ NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, cons
     return g;
 }
 
-template <bool Cohesive>
-NAPPE_INLINE std::int64_t refresh_all(DiskBatch* batches, const CohesionBatch* cohesion, std::int64_t n,
-                                      const BodyArrays& bodies, double h) {
+std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double h) {
     const Lane zero = {}, one = zero + 1;
     Lane awake = {};
-    for (std::int64_t k = 0; k < n; ++k) {
-        DiskBatch& batch = batches[k];
+    for (std::int64_t k = 0; k < batches.n; ++k) {
+        DiskBatch& batch = batches.contacts[k];
         for (int l = 0; l < n_lanes; l += width) {
             const Gaps g = measure(bodies, batch.a + l, batch.b + l);
             // DiskContacts' rule of who sleeps; padding, without any mass that moves, always does.
             const Lane slower = g.v_old < g.v ? g.v_old : g.v;
             const Lane closes = slower < zero ? -2 * h * slower : zero;
-            const Lane near = g.gap > 0.01 * g.size + closes ? zero : (g.inv_m > zero ? one : zero);
-            const Lane acts = Cohesive ? (load(cohesion[k].most + l) > zero ? one : near) : near;
+            Lane acts = g.gap > 0.01 * g.size + closes ? zero : (g.inv_m > zero ? one : zero);
+            if (batches.cohesion != nullptr) {
+                acts = load(batches.cohesion[k].most + l) > zero ? one : acts;
+            }
             store(batch.nx + l, g.inv_m > zero ? g.nx : zero);
             store(batch.ny + l, g.inv_m > zero ? g.ny : zero);
             store(batch.bias + l, g.gap > zero ? g.gap / h : zero);
             store(batch.m_eff + l, acts > zero ? one / g.inv_m : zero);
             store(batch.r_n + l, acts > zero ? load(batch.r_n + l) : zero);
-            store(batch.r_t + l, acts > zero ? load(batch.r_t + l) : zero);
+            if (batches.tangent != nullptr) {
+                double* const r_t = batches.tangent[k].r_t + l;
+                store(r_t, acts > zero ? load(r_t) : zero);
+            }
             awake += acts;
         }
     }
     return static_cast<std::int64_t>(sum_of(awake));
-}
-
-std::int64_t refresh(DiskBatch* batches, std::int64_t n, const BodyArrays& bodies, double h) {
-    return refresh_all<false>(batches, nullptr, n, bodies, h);
-}
-
-std::int64_t refresh_cohesive(DiskBatch* batches, const CohesionBatch* cohesion, std::int64_t n,
-                              const BodyArrays& bodies, double h) {
-    return refresh_all<true>(batches, cohesion, n, bodies, h);
 }
 
 void gaps(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

@@ -3,6 +3,6 @@
 namespace nappe {
 
 extern const DiskKernels disk_kernels_avx2;
-const DiskKernels disk_kernels_avx2{"avx2", relax, relax_cohesive, apply, refresh, refresh_cohesive, gaps};
+const DiskKernels disk_kernels_avx2{"avx2", relax, apply, refresh, gaps};
 
 } // namespace nappe

@@ -3,6 +3,6 @@
 namespace nappe {
 
 extern const DiskKernels disk_kernels_avx512;
-const DiskKernels disk_kernels_avx512{"avx512", relax, relax_cohesive, apply, refresh, refresh_cohesive, gaps};
+const DiskKernels disk_kernels_avx512{"avx512", relax, apply, refresh, gaps};
 
 } // namespace nappe

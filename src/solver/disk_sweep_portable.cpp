@@ -3,6 +3,6 @@
 namespace nappe {
 
 extern const DiskKernels disk_kernels_portable;
-const DiskKernels disk_kernels_portable{"portable", relax, relax_cohesive, apply, refresh, refresh_cohesive, gaps};
+const DiskKernels disk_kernels_portable{"portable", relax, apply, refresh, gaps};
 
 } // namespace nappe

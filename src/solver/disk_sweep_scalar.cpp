@@ -4,6 +4,6 @@
 namespace nappe {
 
 extern const DiskKernels disk_kernels_scalar;
-const DiskKernels disk_kernels_scalar{"scalar", relax, relax_cohesive, apply, refresh, refresh_cohesive, gaps};
+const DiskKernels disk_kernels_scalar{"scalar", relax, apply, refresh, gaps};
 
 } // namespace nappe

@@ -105,7 +105,7 @@ void Nsgs<D>::run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D
 }
 
 template <int D>
-void Nsgs<D>::warm_start(const ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u) {
+void Nsgs<D>::warm_start(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u) {
     run(1, 1, halo, u, [&](std::size_t t, std::size_t) { contacts.apply(t, u); });
 }
 

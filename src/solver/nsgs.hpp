@@ -57,7 +57,7 @@ public:
     void order_tiles(const CandidateSet<D>& candidates);
 
     /// **Collective.** From free velocities to u = u_free + M⁻¹ H r with the impulses that `contacts` holds.
-    void warm_start(const ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u);
+    void warm_start(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u);
 
     /// **Collective.** Sweeps as the settings say: `sweeps` of them; with a tolerance at least as many, and then, for
     /// the first k that check_every divides and whose residual, measured after sweep k, is within the tolerance, k +

@@ -13,6 +13,7 @@ PairLaws::PairLaws(const Scene<2>& scene) : n_(static_cast<int>(scene.materials.
             gamma_[static_cast<std::size_t>(at)] = law.gamma;
             range_[static_cast<std::size_t>(at)] = law.range();
         }
+        any_friction = any_friction || law.friction > 0;
         any_restitution = any_restitution || law.restitution > 0;
         any_cohesion = any_cohesion || law.gamma > 0;
         uniform = uniform && law.friction == scene.laws.front().friction;

@@ -22,6 +22,7 @@ struct PairLaws {
 
     bool uniform = true; ///< one friction coefficient serves all pairs
     double uniform_friction = 0;
+    bool any_friction = false;    ///< else contacts have no tangential part
     bool any_restitution = false; ///< else no approach velocity is ever computed
     bool any_cohesion = false;    ///< else the plain law's kernels sweep
 
