@@ -51,7 +51,7 @@ private:
     SolverSettings settings_;
     Stopwatch watch_;
     Halo<2> halo_;
-    Nsgs<2> solver_;
+    ContactSolver<2> solver_;
     DiskContacts contacts_;
     std::vector<BodyVelocity<2>> u_;
     double mu_;

@@ -1,105 +1,20 @@
 #pragma once
-// Block non-smooth Gauss–Seidel (seeds/000 eq. 5) by tiles: one sweep relaxes, colour by colour, first the tiles whose
-// grains other ranks hold, sends what they changed, relaxes the rest meanwhile, receives. The order of relaxation is
-// that of tile colours and, in a tile, of contact classes: the same on any number of ranks. (Departs from the source in
-// that order only.) In time, several sweeps pass over a part of the sample together where that changes nothing
-// (TileOrder).
+// Block non-smooth Gauss–Seidel (seeds/000 eq. 5), by tiles; departs from the source in the order of relaxation only.
 
-#include "core/stopwatch.hpp"
-#include "parallel/domain.hpp"
-#include "solver/disk_contacts.hpp"
-#include "solver/tile_order.hpp"
-
-#include <vector>
+#include "solver/iteration.hpp"
 
 namespace nappe {
 
-/// How far from solved, relative to the velocity scale V of docs/notation.md.
-struct Residual {
-    double largest = 0;
-    double rms = 0;
-};
-
-/// What a solve did.
-struct SolveReport {
-    int sweeps = 0;               ///< all that were done, those between a check and its effect included
-    bool converged = true;        ///< false only if a tolerance was set and no residual measured was within it
-    std::int64_t relaxations = 0; ///< on this rank
-};
-
-/// Sweeps from the check of a tolerance to its effect, while ranks agree on the residual behind the sweeps: the
-/// reduction of 2^k ranks takes k rounds, and each of the four colours of a sweep lets it advance by one at least, so
-/// four sweeps hide it on 65,536 ranks. Never more than from one check to the next. A constant, so that results do not
-/// depend on when it arrives.
-inline int check_lag(const SolverSettings& settings) {
-    constexpr int most = 4;
-    return settings.check_every < most ? settings.check_every : most;
-}
-
-/// The packed contacts of a dimension and shape: disks in the plane.
 template <int D>
-struct ContactKind;
-template <>
-struct ContactKind<2> {
-    using Contacts = DiskContacts;
-};
-template <int D>
-using ContactsOf = typename ContactKind<D>::Contacts;
-
-template <int D>
-class Nsgs {
+class Nsgs : public Iteration<D> {
 public:
-    /// @param time_tiles whether solve() samples what each tile costs
-    Nsgs(const Communicator& comm, Stopwatch& watch, bool time_tiles = false)
-        : comm_(comm), watch_(watch), time_tiles_(time_tiles) {}
-
-    /// Local. After a rebuild: which tiles come first.
-    void order_tiles(const CandidateSet<D>& candidates);
-
-    /// **Collective.** From free velocities to u = u_free + M⁻¹ H r with the impulses that `contacts` holds.
-    void warm_start(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u);
-
-    /// **Collective.** Sweeps as the settings say: `sweeps` of them; with a tolerance at least as many, and then, for
-    /// the first k that check_every divides and whose residual, measured after sweep k, is within the tolerance, k +
-    /// check_lag(settings); max_sweeps at most, and then the residual after the last one says whether it converged.
-    /// @param scale V [m/s]; needed only with a tolerance.
-    SolveReport solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
-                      const SolverSettings& settings, int sweeps, double scale);
-
-    /// **Collective.** Pre: copies are equal. @param scale V [m/s]; 0: the residual is absolute [m/s].
-    Residual residual(const ContactsOf<D>& contacts, const std::vector<BodyVelocity<D>>& u, double scale);
-
-    /// Local. Seconds that each tile took in the first sweep of the last solve; empty unless asked for.
-    const std::vector<double>& tile_seconds() const { return tile_seconds_; }
+    explicit Nsgs(TileSweep<D>& sweep) : sweep_(sweep) {}
+    void begin(const ContactProblem<D>& problem) override;
+    IterationWork advance(const ContactProblem<D>& problem, int n) override;
 
 private:
-    /// The relaxation of one solve and its limits.
-    struct Task {
-        ContactsOf<D>& contacts;
-        Halo<D>& halo;
-        std::vector<BodyVelocity<D>>& u;
-        const SolverSettings& settings;
-        int least, most; ///< sweeps
-        double unit;     ///< of residuals [m/s]
-    };
-
-    /// The tolerance's checks: after which sweeps one is made.
-    static bool is_checked(int sweep, const Task& task);
-    static int next_halt(int k, const Task& task);
-    void sweep(const Task& task, int n, int together, bool timed);
-    bool stops_after(int k, const Task& task);
-    double largest_squared(const Task& task);
-
-    /// **Collective.** n passes over all tiles, so many `together`; relax(t, next) for tile t, `next` the one after it or no_tile.
-    template <class Relax>
-    void run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Relax&& relax);
-
-    const Communicator& comm_;
-    Stopwatch& watch_;
-    bool time_tiles_;
-    std::vector<double> tile_seconds_;
-    PendingMax agreeing_;
-    TileOrder<D> order_;
+    TileSweep<D>& sweep_;
+    int together_ = 1; ///< sweeps that pass over the sample together
 };
 
 } // namespace nappe

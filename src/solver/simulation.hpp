@@ -9,7 +9,7 @@
 #include "core/stopwatch.hpp"
 #include "core/walls.hpp"
 #include "parallel/domain.hpp"
-#include "solver/nsgs.hpp"
+#include "solver/contact_solver.hpp"
 #include "solver/tile_costs.hpp"
 
 #include <optional>
@@ -138,7 +138,7 @@ private:
     mutable CandidateSet<D> candidates_;
     mutable bool impulses_stale_ = false;
     ContactsOf<D> contacts_;
-    Nsgs<D> solver_;
+    ContactSolver<D> solver_;
     ContactSums<D> sums_;
     EnergySums<D> energy_;
     bool energy_wanted_ = false;

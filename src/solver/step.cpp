@@ -2,7 +2,7 @@
 //
 //     q_mid  = q_i + h (1 - theta) v_i                 positions where contacts are detected
 //     v_free = v_i + h g                               gravity is constant: theta has no part in it
-//     v_i+1  = v_free + M^-1 H r,  r from the contact law     (nsgs.cpp, disk_sweep.inl)
+//     v_i+1  = v_free + M^-1 H r,  r from the contact law     (contact_solver.cpp, disk_sweep.inl)
 //     q_i+1  = q_i + h theta v_i+1 + h (1 - theta) v_i
 //
 // Departs from the source in nothing but the order of relaxation. Copies of grains on several ranks go through the same

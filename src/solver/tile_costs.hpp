@@ -3,7 +3,7 @@
 // never a bit of the result.
 
 #include "parallel/domain.hpp"
-#include "solver/nsgs.hpp"
+#include "solver/tile_sweep.hpp"
 
 #include <limits>
 #include <vector>
@@ -17,7 +17,7 @@ public:
     /// After a rebuild: the tiles are those of `candidates` now; those that stayed keep their costs.
     void relist(const CandidateSet<D>& candidates);
 
-    /// After a solve. @param tile_seconds one sample a tile (Nsgs::tile_seconds), or none
+    /// After a solve. @param tile_seconds one sample a tile (ContactSolver::tile_seconds), or none
     void add(const ContactsOf<D>& contacts, int sweeps, const std::vector<double>& tile_seconds);
 
     /// Relaxations of each tile.

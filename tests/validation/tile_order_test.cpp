@@ -73,7 +73,7 @@ TEST(TileOrder, SweepsTogetherAreAsManyAsTheCacheHolds) {
     EXPECT_LE(sweeps_in_cache(1e7, 100, 4), sweeps_in_cache(1e6, 100, 4));
 }
 
-/// What Nsgs makes of 17 sweeps, and colour after colour over all tiles: the same bits.
+/// What the solver makes of 17 sweeps, and colour after colour over all tiles: the same bits.
 TEST(TileOrder, ManySweepsAtATimeAreOneAfterTheOther) {
     SceneBuilder b(0.4);
     b.box(120, 12, {RadiusLaw::Kind::uniform, 0.42, 0.56});
@@ -94,7 +94,7 @@ TEST(TileOrder, ManySweepsAtATimeAreOneAfterTheOther) {
 
     const Communicator alone(MPI_COMM_SELF);
     Stopwatch watch;
-    Nsgs<2> nsgs(alone, watch);
+    ContactSolver<2> nsgs(alone, watch);
     nsgs.order_tiles(candidates);
     Halo<2> halo(alone);
     const int n_sweeps = 17;

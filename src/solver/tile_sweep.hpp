@@ -1,0 +1,167 @@
+#pragma once
+// Passes over all tiles in the order of TileOrder, with the exchange of velocities after each tile colour: colour by
+// colour, first the tiles whose grains other ranks hold, then, while messages fly, the rest. In time, several passes go
+// over a part of the sample together where that changes nothing. What is done to a tile is the caller's.
+
+#include "core/stopwatch.hpp"
+#include "parallel/domain.hpp"
+#include "solver/disk_contacts.hpp"
+#include "solver/tile_order.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <vector>
+
+namespace nappe {
+
+/// The packed contacts of a dimension and shape: disks in the plane.
+template <int D>
+struct ContactKind;
+template <>
+struct ContactKind<2> {
+    using Contacts = DiskContacts;
+};
+template <int D>
+using ContactsOf = typename ContactKind<D>::Contacts;
+
+/// Hands each tile on when the next one is known.
+template <class Visit>
+class OneBehind {
+public:
+    explicit OneBehind(Visit& visit) : visit_(visit) {}
+
+    void push(const std::vector<std::int32_t>& tiles) {
+        for (const auto t : tiles) {
+            const auto tile = static_cast<std::size_t>(t);
+            if (held_ != no_tile) {
+                visit_(held_, tile);
+            }
+            held_ = tile;
+        }
+    }
+
+    void flush() {
+        if (held_ != no_tile) {
+            visit_(held_, no_tile);
+        }
+        held_ = no_tile;
+    }
+
+private:
+    Visit& visit_;
+    std::size_t held_ = no_tile;
+};
+
+template <int D>
+class TileSweep {
+public:
+    TileSweep(const Communicator& comm, Stopwatch& watch) : comm_(comm), watch_(watch) {}
+
+    /// Local. After a rebuild: which tiles come first.
+    void order_tiles(const CandidateSet<D>& candidates) { order_.build(candidates); }
+
+    /// Local. How many passes over so many bytes should go together.
+    int together(double bytes) const {
+        // Where ranks wait for each other, layers of one rank are as much work as the other's only near the cut: beyond
+        // two sweeps at a time the wait costs more than the cache saves (docs/performance.md).
+        const int most = comm_.size() > 1 ? 2 : std::numeric_limits<int>::max();
+        return std::min(most, sweeps_in_cache(bytes, order_.last_layer() + 1, n_tile_colours<D>));
+    }
+
+    /// **Collective.** n passes over all tiles, so many `together`; visit(t, next) for tile t, `next` the one after it or
+    /// no_tile. What it changes in u of grains that others hold is sent to them after each colour.
+    template <class Visit>
+    void run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit&& visit);
+
+    /// Local. From now on passes note the seconds that each tile takes, by its row, the last of them; nullptr: no more.
+    void time_into(std::vector<double>* seconds) { seconds_ = seconds; }
+
+    const Communicator& comm() const { return comm_; }
+    Stopwatch& watch() { return watch_; }
+
+private:
+    template <class Visit>
+    void run_untimed(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit& visit);
+
+    const Communicator& comm_;
+    Stopwatch& watch_;
+    TileOrder<D> order_;
+    std::vector<double>* seconds_ = nullptr;
+};
+
+template <int D>
+template <class Visit>
+void TileSweep<D>::run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit&& visit) {
+    if (seconds_ == nullptr) {
+        run_untimed(n, together, halo, u, visit);
+        return;
+    }
+    using Clock = std::chrono::steady_clock;
+    auto timed = [&](std::size_t t, std::size_t next) {
+        const auto start = Clock::now();
+        visit(t, next);
+        (*seconds_)[t] = std::chrono::duration<double>(Clock::now() - start).count();
+    };
+    run_untimed(n, together, halo, u, timed);
+}
+
+/// Groups of passes. Moments 0 … P - 1 of a group of P phases are those in which layer 0 has a phase to do; in the P + d-th
+/// layer d does its last. Where ranks wait for each other, the moments after P - 1 are kept for the next group's messages:
+/// its moment m touches layers up to m, whose neighbours the group before must have left.
+template <int D>
+template <class Visit>
+void TileSweep<D>::run_untimed(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit& visit) {
+    constexpr int n_colours = n_tile_colours<D>;
+    const int last = order_.last_layer();
+    const bool alone = comm_.size() == 1;
+    OneBehind tiles(visit);
+    const auto inner = [&](int moment, int n_phases) { // layers 1 and up of one moment
+        for (int phase = std::max(0, moment - last); phase < std::min(moment, n_phases); ++phase) {
+            tiles.push(order_.tiles(moment - phase, phase % n_colours));
+        }
+    };
+    int before = 0, drained = 0; // phases of the group before, and how many of its `last` late moments are done
+    const auto drain = [&](int until) {
+        for (; before > 0 && drained < std::min(until, last); ++drained) {
+            inner(before + drained, before);
+        }
+    };
+    bool arriving = false;
+    const auto receive = [&] {
+        tiles.flush();
+        if (arriving) {
+            const auto lap = watch_.lap(Timed::exchange);
+            halo.finish(u);
+        }
+        arriving = false;
+    };
+    for (int done = 0; done < n; done += together) {
+        const int n_phases = std::min(together, n - done) * n_colours;
+        for (int moment = 0; moment < n_phases; ++moment) {
+            drain(moment + 2);
+            inner(moment, n_phases);
+            if (!alone) {
+                drain((last * (moment + 1) + n_phases - 1) / n_phases); // its share, while messages fly
+                receive();
+            }
+            tiles.push(order_.tiles(0, moment % n_colours));
+            if (!alone) {
+                tiles.flush();
+                const auto lap = watch_.lap(Timed::exchange);
+                halo.start(moment % n_colours, u);
+                arriving = true;
+            }
+        }
+        drain(last);
+        before = n_phases;
+        drained = 0;
+        if (alone) {
+            drain(last);
+        }
+    }
+    drain(last);
+    receive();
+}
+
+} // namespace nappe
