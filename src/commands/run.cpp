@@ -174,6 +174,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["stopped_early"] = course.stopped;
     json["relaxations"] = relaxations;
     json["sweeps"] = counters.sweeps;
+    json["reductions"] = counters.reductions;
     json["unconverged_steps"] = counters.unconverged;
     json["seconds_total"] = total;
     json["seconds_loading"] = loaded;

@@ -82,7 +82,8 @@ struct Wall {
 };
 
 struct SolverSettings {
-    enum class Method { nsgs };
+    enum class Method { nsgs, ansgs, nncg, apgd, cpg }; ///< solver/nsgs.hpp and its neighbours say what each is
+    enum class AtMax { accept, stop };
     Method method = Method::nsgs;
     double h = 0;     ///< step [s]
     int substeps = 1; ///< a step is integrated as this many of h / substeps, its sweeps divided among them (rounded up)
@@ -90,8 +91,12 @@ struct SolverSettings {
     int sweeps = 100;   ///< fixed count, or the least when a tolerance is set
     /// On the residual (docs/notation.md), relative to V.
     std::optional<double> tolerance;
-    int max_sweeps = 1000; ///< with a tolerance: then the step is accepted and counted as unconverged
-    int check_every = 10;  ///< sweeps between two checks of the tolerance
+    int max_sweeps = 1000; ///< with a tolerance
+    /// What becomes of a step that is not within the tolerance after max_sweeps: counted as unconverged and accepted, or
+    /// NumericalFailure.
+    AtMax at_max = AtMax::accept;
+    int check_every = 10;   ///< sweeps between two checks of the tolerance
+    bool warm_start = true; ///< from the impulses of the step before; else from none
 };
 
 /// Ends a preparing stage: both hold at the end of a step.

@@ -1,6 +1,8 @@
-// What happens to a scene and how it is computed and shown: stages, solver, tiles, balance, output.
+// What happens to a scene and how it is computed and shown: stages, tiles, balance, output.
+#include "io/scene_choice.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_sections.hpp"
+#include "io/scene_solver.hpp"
 
 #include <fmt/format.h>
 
@@ -9,57 +11,6 @@
 namespace nappe::scene_file {
 
 namespace {
-
-/// Keys of a solver table over the settings given.
-void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed) {
-    std::string method;
-    if (table.read("method", method, "write \"nsgs\"") && method != "nsgs") {
-        table.problem("method", "must be \"nsgs\"", "no other solver is built");
-    }
-    table.read("h", solver.h, positive("s", "give the time step in seconds"), step_needed);
-    table.read("theta", solver.theta, between(0.5, 1, "", "0.5 keeps energy, 1 damps most"));
-    table.read("sweeps", solver.sweeps, {1, "give the sweeps of a step; with a tolerance, the least"});
-    table.read("tolerance", solver.tolerance, positive("", "give the residual at which sweeps may end"));
-    table.read("max_sweeps", solver.max_sweeps, {1, "give the most sweeps of a step"});
-    table.read("check_every", solver.check_every, {1, "give the sweeps between two looks at the residual"});
-    table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
-    const bool concerned = table.has("tolerance") || table.has("max_sweeps") || table.has("sweeps");
-    if (concerned && solver.tolerance && solver.max_sweeps < solver.sweeps) {
-        const bool blame_most = table.has("max_sweeps") || !table.has("sweeps");
-        table.problem(blame_most ? "max_sweeps" : "sweeps",
-                      blame_most ? fmt::format("must be >= sweeps = {} with a tolerance", solver.sweeps)
-                                 : fmt::format("must be <= max_sweeps = {} with a tolerance", solver.max_sweeps),
-                      "raise max_sweeps or lower sweeps");
-    }
-}
-
-/// The two knobs of the tolerance do nothing without one: no knob is silently ignored.
-void refuse_idle_keys(const TableReader& table, bool has_tolerance) {
-    for (const auto* key : {"max_sweeps", "check_every"}) {
-        if (table.has(key) && !has_tolerance) {
-            table.problem(key, "must be absent without a tolerance",
-                          "add tolerance, or remove this key: it has no effect");
-        }
-    }
-}
-
-/// A key whose value is one of two names.
-template <class E>
-void read_choice(const TableReader& table, std::string_view key, const std::pair<const char*, E> (&choices)[2],
-                 E& target) {
-    const auto remedy = fmt::format("write \"{}\" or \"{}\"", choices[0].first, choices[1].first);
-    std::string name;
-    if (!table.read(key, name, remedy)) {
-        return;
-    }
-    for (const auto& [known, value] : choices) {
-        if (name == known) {
-            target = value;
-            return;
-        }
-    }
-    table.problem(key, fmt::format("must be \"{}\" or \"{}\"", choices[0].first, choices[1].first), remedy);
-}
 
 void read_end(const TableReader& table, Stage& stage, bool loading_before) {
     if (table.has("until") == table.has("duration")) {
@@ -192,10 +143,11 @@ void read_balance(const TableReader& top, Scene<2>& scene) {
                     {1, no_limit, false, "", "largest over mean load per rank; 1.01 is usual"});
         table->read("every", scene.balance.every, {1, "give it in steps"});
         using Balance = BalanceSettings;
-        read_choice(*table, "by", {{"work", Balance::By::work}, {"time", Balance::By::time}}, scene.balance.by);
-        read_choice(*table, "moves",
-                    {{"when_it_pays", Balance::Moves::when_it_pays}, {"always", Balance::Moves::always}},
-                    scene.balance.moves);
+        read_choice<Balance::By>(*table, "by", {{"work", Balance::By::work}, {"time", Balance::By::time}},
+                                 scene.balance.by);
+        read_choice<Balance::Moves>(
+            *table, "moves", {{"when_it_pays", Balance::Moves::when_it_pays}, {"always", Balance::Moves::always}},
+            scene.balance.moves);
     }
 }
 

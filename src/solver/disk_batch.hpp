@@ -48,6 +48,25 @@ struct BatchSpan {
     double mu = 0;
 };
 
+/// One more number for each impulse of a batch, kept only by methods that look back; what it is, the method says.
+struct alignas(64) SearchBatch {
+    double n[n_lanes], t[n_lanes]; ///< [N s]
+};
+
+/// Terms of a sum are rounded to multiples of a unit so coarse that they add up without any error: then lanes may hold
+/// them in whatever order (core/rounded_sum.hpp).
+struct TermRounding {
+    double magic = 0; ///< 3/2 2^52 units: adding and subtracting it rounds
+    double most = 0;  ///< larger terms count as this
+};
+
+/// What a pass of a method adds up over its contacts, W the contact's own block, z what it ended with, y what it started
+/// from, x what it had before: both in J.
+struct StepSums {
+    double squared = 0; ///< of W (z - y)²
+    double along = 0;   ///< of W (z - y) (z - x)
+};
+
 /// Where eight pairs of disks stand; of a pair with a wall, size and gap are NaN.
 struct alignas(64) GapBatch {
     double nx[n_lanes], ny[n_lanes]; ///< unit normal from b to a
@@ -75,6 +94,24 @@ struct DiskKernels {
     /// One Gauss–Seidel pass over the batches, in order. With cohesion r_n goes down to -most, friction up to
     /// mu (r_n + most); without friction spins are left as they are.
     void (*relax)(const BatchSpan& batches, double* u, BodyRange soon);
+    /// The same from impulses moved on: y = r + beta (r - before), before <- r, r <- z. Pre: u has moved on alike.
+    StepSums (*relax_ahead)(const BatchSpan& batches, SearchBatch* before, double beta, const TermRounding& rounding,
+                            double* u, BodyRange soon);
+    /// The same, moved on along a direction that all y have made: y = r + beta p, p <- beta p + r - from, from <- y.
+    StepSums (*relax_along)(const BatchSpan& batches, SearchBatch* from, SearchBatch* direction, double beta,
+                            const TermRounding& rounding, double* u, BodyRange soon);
+    /// A projected gradient step from y = r + beta (r - before): z = P(y - step (v + b) / W), v at the velocities `at`
+    /// of y; before <- r, r <- z; adds the effect of z - y to `u`.
+    StepSums (*project)(const BatchSpan& batches, SearchBatch* before, double beta, double step,
+                        const TermRounding& rounding, const double* at, double* u);
+    /// cpg.hpp: z <- T(g / W) and p <- T(p), g at the velocities `at`; adds the effect of z to `of_z`. Sums: (g, z).
+    StepSums (*gradient)(const BatchSpan& batches, SearchBatch* z, SearchBatch* p, const TermRounding& rounding,
+                         const double* at, double* of_z);
+    /// p <- z + beta p; adds the effect of p to `of_p`. Sums: (g, p) in `along`.
+    StepSums (*turn)(const BatchSpan& batches, const SearchBatch* z, SearchBatch* p, double beta,
+                     const TermRounding& rounding, const double* at, double* of_p);
+    /// r <- P(r + alpha p); adds the effect of the change to u.
+    void (*go_along)(const BatchSpan& batches, const SearchBatch* p, double alpha, double* u);
     /// Adds the effect of the impulses that the batches hold to the velocities: a warm start.
     void (*apply)(const BatchSpan& batches, double* u);
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that

@@ -8,6 +8,7 @@
 #include "solver/disk_batch.hpp"
 #include "solver/pair_laws.hpp"
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -67,6 +68,40 @@ public:
         kernels_->relax(span(ranges_[tile]), u.data()->v.data(), soon);
     }
 
+    /// Local. Room for what a method keeps of each impulse from sweep to sweep: `n` numbers, 2 at most; the first is the
+    /// impulse now, the second 0.
+    void remember(int n);
+
+    // Local. One tile's part in the passes of the methods (DiskKernels says what they do).
+    StepSums relax_ahead(std::size_t tile, std::size_t next, double beta, const TermRounding& rounding,
+                         std::vector<BodyVelocity<2>>& u) {
+        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
+        return kernels_->relax_ahead(span(ranges_[tile]), memory(0, tile), beta, rounding, doubles(u), soon);
+    }
+    StepSums relax_along(std::size_t tile, std::size_t next, double beta, const TermRounding& rounding,
+                         std::vector<BodyVelocity<2>>& u) {
+        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
+        return kernels_->relax_along(span(ranges_[tile]), memory(0, tile), memory(1, tile), beta, rounding, doubles(u),
+                                     soon);
+    }
+    StepSums project(std::size_t tile, double beta, double step, const TermRounding& rounding,
+                     const std::vector<BodyVelocity<2>>& at, std::vector<BodyVelocity<2>>& u) {
+        return kernels_->project(span(ranges_[tile]), memory(0, tile), beta, step, rounding, doubles(at), doubles(u));
+    }
+    StepSums gradient(std::size_t tile, const TermRounding& rounding, const std::vector<BodyVelocity<2>>& at,
+                      std::vector<BodyVelocity<2>>& of_z) {
+        return kernels_->gradient(span(ranges_[tile]), memory(0, tile), memory(1, tile), rounding, doubles(at),
+                                  doubles(of_z));
+    }
+    StepSums turn(std::size_t tile, double beta, const TermRounding& rounding, const std::vector<BodyVelocity<2>>& at,
+                  std::vector<BodyVelocity<2>>& of_p) {
+        return kernels_->turn(span(ranges_[tile]), memory(0, tile), memory(1, tile), beta, rounding, doubles(at),
+                              doubles(of_p));
+    }
+    void go_along(std::size_t tile, double alpha, std::vector<BodyVelocity<2>>& u) {
+        kernels_->go_along(span(ranges_[tile]), memory(1, tile), alpha, doubles(u));
+    }
+
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
         kernels_->apply(span(ranges_[tile]), u.data()->v.data());
     }
@@ -76,6 +111,9 @@ public:
 
     /// Local. Sum of squared relative velocities over one tile's touching contacts [m²/s²] and their number.
     std::pair<double, std::int64_t> touching_speed(std::size_t tile, const std::vector<BodyVelocity<2>>& u) const;
+
+    /// Local. All impulses become 0.
+    void start_cold();
 
     /// Local. Puts the impulses back to their candidates; those that sleep have none.
     void store(CandidateSet<2>& candidates) const;
@@ -107,7 +145,8 @@ public:
     /// By one sweep, without bodies.
     std::size_t bytes_swept() const {
         return batches_.size() * sizeof(DiskBatch) + tangent_.size() * sizeof(TangentBatch) +
-               friction_.size() * sizeof(FrictionBatch) + cohesion_.size() * sizeof(CohesionBatch);
+               friction_.size() * sizeof(FrictionBatch) + cohesion_.size() * sizeof(CohesionBatch) +
+               (memory_[0].size() + memory_[1].size()) * sizeof(SearchBatch);
     }
     const char* instruction_set() const { return kernels_->name; }
 
@@ -154,6 +193,9 @@ private:
     static BodyArrays arrays(const State<2>& state) {
         return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
     }
+    static double* doubles(std::vector<BodyVelocity<2>>& u) { return u.data()->v.data(); }
+    static const double* doubles(const std::vector<BodyVelocity<2>>& u) { return u.data()->v.data(); }
+    SearchBatch* memory(std::size_t which, std::size_t tile) { return memory_[which].data() + ranges_[tile].begin; }
     BatchSpan span(const Range& range) {
         const auto from = [&](auto& side) { return side.empty() ? nullptr : side.data() + range.begin; };
         return {batches_.data() + range.begin, range.n, from(tangent_), from(friction_), from(cohesion_),
@@ -213,9 +255,10 @@ private:
     PairLaws laws_;
     const DiskKernels* kernels_;
     std::vector<DiskBatch> batches_;
-    std::vector<TangentBatch> tangent_;   ///< empty unless laws_.any_friction
-    std::vector<FrictionBatch> friction_; ///< empty if laws_.uniform
-    std::vector<CohesionBatch> cohesion_; ///< empty unless cohesive_
+    std::vector<TangentBatch> tangent_;              ///< empty unless laws_.any_friction
+    std::vector<FrictionBatch> friction_;            ///< empty if laws_.uniform
+    std::vector<CohesionBatch> cohesion_;            ///< empty unless cohesive_
+    std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
     bool cohesive_ = false;
     std::vector<std::int32_t> source_; ///< candidate of every lane, -1 for null contacts
     std::vector<Range> ranges_;        ///< of every tile

@@ -70,6 +70,24 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     }
 }
 
+void DiskContacts::start_cold() {
+    for (auto& batch : batches_) {
+        std::fill(std::begin(batch.r_n), std::end(batch.r_n), 0.0);
+    }
+    std::fill(tangent_.begin(), tangent_.end(), TangentBatch{});
+}
+
+void DiskContacts::remember(int n) {
+    memory_[0].resize(n > 0 ? batches_.size() : 0);
+    memory_[1].assign(n > 1 ? batches_.size() : 0, SearchBatch{});
+    for (std::size_t k = 0; k < memory_[0].size(); ++k) {
+        for (int l = 0; l < n_lanes; ++l) {
+            memory_[0][k].n[l] = batches_[k].r_n[l];
+            memory_[0][k].t[l] = tangential(static_cast<std::int64_t>(k), l);
+        }
+    }
+}
+
 void DiskContacts::store(CandidateSet<2>& candidates) const {
     if (!fresh_) {
         store_tiles_but(ranges_.size(), candidates);

@@ -202,6 +202,31 @@ NAPPE_INLINE void push(Bodies& a, Bodies& b, const Lane& nx, const Lane& ny, con
 
 enum class Friction { none, uniform, mixed };
 
+struct Impulses {
+    Lane n, t;
+};
+
+/// P: the impulses nearest to the wanted ones that the law of lanes l … of batch k allows. `zero` is one.
+template <Friction friction, bool cohesive>
+NAPPE_INLINE Impulses feasible(const BatchSpan& batches, std::int64_t k, int l, const Lane& wanted_n,
+                               const Lane& wanted_t, const Lane& zero) {
+    // zero - 0 is +0, as the plain law has it: with gamma = 0 both give the same bits.
+    const Lane most = cohesive ? load(batches.cohesion[k].most + l) : zero;
+    const Lane least = cohesive ? zero - most : zero;
+    Impulses r;
+    r.n = wanted_n > least ? wanted_n : least;
+    if constexpr (friction == Friction::none) {
+        r.t = wanted_t;
+    } else {
+        const Lane pressed = cohesive ? r.n + most : r.n;
+        const Lane limit =
+            friction == Friction::mixed ? load(batches.friction[k].mu + l) * pressed : batches.mu * pressed;
+        const Lane above = wanted_t > limit ? limit : wanted_t;
+        r.t = above < -limit ? -limit : above;
+    }
+    return r;
+}
+
 template <Friction friction, bool cohesive>
 NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon) {
     constexpr int doubles_per_line = 8, lines_per_batch = 3; // of a cache; own bodies of a tile are two a batch
@@ -211,7 +236,6 @@ NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon)
     asm("" : "+x"(zero)); // not a literal, so that the selection below is one instruction, a maximum
 #endif
     const double third = 1.0 / 3.0;
-    const double mu = batches.mu;
     DiskBatch* const contacts = batches.contacts;
     TangentBatch* const tangent = batches.tangent;
     for (std::int64_t k = 0; k < batches.n; ++k) {
@@ -234,24 +258,17 @@ NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon)
             const Lane dvx = a.x - b.x, dvy = a.y - b.y;
             const Lane v_n = nx * dvx + ny * dvy;
             const Lane wanted_n = r_n - (v_n + load(batch.bias + l)) * m;
-            // zero - 0 is +0, as the plain law has it: with gamma = 0 both give the same bits.
-            const Lane most = cohesive ? load(batches.cohesion[k].most + l) : zero;
-            const Lane least = cohesive ? zero - most : zero;
-            const Lane new_n = wanted_n > least ? wanted_n : least;
-            store(batch.r_n + l, new_n);
             if constexpr (friction == Friction::none) {
-                push(a, b, nx, ny, new_n - r_n);
+                const Impulses r = feasible<friction, cohesive>(batches, k, l, wanted_n, zero, zero);
+                store(batch.r_n + l, r.n);
+                push(a, b, nx, ny, r.n - r_n);
             } else {
                 const Lane r_t = load(tangent[k].r_t + l);
                 const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
-                const Lane pressed = cohesive ? new_n + most : new_n;
-                const Lane limit =
-                    friction == Friction::mixed ? load(batches.friction[k].mu + l) * pressed : mu * pressed;
-                const Lane wanted_t = r_t - v_t * (m * third);
-                const Lane above = wanted_t > limit ? limit : wanted_t;
-                const Lane new_t = above < -limit ? -limit : above;
-                store(tangent[k].r_t + l, new_t);
-                push(a, b, nx, ny, new_n - r_n, new_t - r_t);
+                const Impulses r = feasible<friction, cohesive>(batches, k, l, wanted_n, r_t - v_t * (m * third), zero);
+                store(batch.r_n + l, r.n);
+                store(tangent[k].r_t + l, r.t);
+                push(a, b, nx, ny, r.n - r_n, r.t - r_t);
             }
             scatter(u, batch.a + l, a);
             scatter(u, batch.b + l, b);
@@ -259,23 +276,25 @@ NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon)
     }
 }
 
-template <bool cohesive>
-NAPPE_INLINE void relax_by_friction(const BatchSpan& batches, double* u, BodyRange soon) {
+template <bool cohesive, class Pass>
+NAPPE_INLINE auto by_friction(const BatchSpan& batches, const Pass& pass) {
     if (batches.tangent == nullptr) {
-        relax_all<Friction::none, cohesive>(batches, u, soon);
-    } else if (batches.friction == nullptr) {
-        relax_all<Friction::uniform, cohesive>(batches, u, soon);
-    } else {
-        relax_all<Friction::mixed, cohesive>(batches, u, soon);
+        return pass.template operator()<Friction::none, cohesive>();
     }
+    if (batches.friction == nullptr) {
+        return pass.template operator()<Friction::uniform, cohesive>();
+    }
+    return pass.template operator()<Friction::mixed, cohesive>();
+}
+
+/// The pass made for the laws that these batches have.
+template <class Pass>
+NAPPE_INLINE auto by_law(const BatchSpan& batches, const Pass& pass) {
+    return batches.cohesion == nullptr ? by_friction<false>(batches, pass) : by_friction<true>(batches, pass);
 }
 
 void relax(const BatchSpan& batches, double* u, BodyRange soon) {
-    if (batches.cohesion == nullptr) {
-        relax_by_friction<false>(batches, u, soon);
-    } else {
-        relax_by_friction<true>(batches, u, soon);
-    }
+    by_law(batches, [&]<Friction friction, bool cohesive>() { relax_all<friction, cohesive>(batches, u, soon); });
 }
 
 void apply(const BatchSpan& batches, double* u) {
@@ -369,8 +388,6 @@ void gaps(const std::int32_t* which, std::int64_t n, const std::int32_t* a, cons
         }
     }
 }
-
-#undef NAPPE_INLINE
 
 } // namespace
 } // namespace nappe

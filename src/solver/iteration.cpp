@@ -1,5 +1,9 @@
 #include "solver/iteration.hpp"
 
+#include "solver/ansgs.hpp"
+#include "solver/apgd.hpp"
+#include "solver/cpg.hpp"
+#include "solver/nncg.hpp"
 #include "solver/nsgs.hpp"
 
 namespace nappe {
@@ -9,6 +13,14 @@ std::unique_ptr<Iteration<D>> make_iteration(SolverSettings::Method method, Tile
     switch (method) {
     case SolverSettings::Method::nsgs:
         return std::make_unique<Nsgs<D>>(sweep);
+    case SolverSettings::Method::ansgs:
+        return std::make_unique<Ansgs<D>>(sweep);
+    case SolverSettings::Method::nncg:
+        return std::make_unique<Nncg<D>>(sweep);
+    case SolverSettings::Method::apgd:
+        return std::make_unique<Apgd<D>>(sweep);
+    case SolverSettings::Method::cpg:
+        return std::make_unique<Cpg<D>>(sweep);
     }
     return nullptr;
 }

@@ -4,6 +4,7 @@ namespace nappe {
 
 template <int D>
 void Nsgs<D>::begin(const ContactProblem<D>& problem) {
+    problem.contacts.remember(0);
     const auto bytes = problem.contacts.bytes_swept() + problem.u.size() * sizeof(BodyVelocity<D>);
     together_ = sweep_.together(static_cast<double>(bytes));
 }

@@ -25,6 +25,7 @@ struct Counters {
     std::int64_t rebuilds = 0;     ///< global
     std::int64_t redone_lists = 0; ///< global: steps redone since a grain outran its margin
     std::int64_t redone_packs = 0; ///< global: steps redone since a contact left out came to act
+    std::int64_t reductions = 0;   ///< global: sums that methods waited for
     std::int64_t unconverged = 0;  ///< global: steps that reached max_sweeps
     std::int64_t rebalanced = 0;   ///< global
 };

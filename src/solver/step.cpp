@@ -149,6 +149,9 @@ void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
     SolveReport report;
     {
         const auto lap = watch_.lap(Timed::sweep);
+        if (!settings().warm_start) {
+            contacts_.start_cold();
+        }
         solver_.warm_start(contacts_, domain_.halo(), state_.u);
         report = solver_.solve(contacts_, domain_.halo(), state_.u, settings(), sweeps, scale);
     }
@@ -161,7 +164,16 @@ void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
     last_sweeps_ = report.sweeps;
     counters_.relaxations += report.relaxations;
     counters_.sweeps += report.sweeps;
+    counters_.reductions += report.reductions;
     counters_.unconverged += report.converged ? 0 : 1;
+    if (!report.converged && settings().at_max == SolverSettings::AtMax::stop) {
+        const double left = solver_.residual(contacts_, state_.u, scale).largest;
+        throw NumericalFailure(fmt::format("step {} of stage '{}' (t = {} s) has a residual of {:.3g} after max_sweeps "
+                                           "= {} sweeps, above the tolerance of "
+                                           "{:.3g}; raise max_sweeps, take a smaller solver.h, or at_max = \"accept\"",
+                                           stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name,
+                                           time(), left, settings().max_sweeps, *settings().tolerance));
+    }
 }
 
 /// V: the largest of h |g|, the RMS relative free velocity at touching contacts, and the speed of driven walls [m/s].

@@ -3,6 +3,7 @@
 // colour, first the tiles whose grains other ranks hold, then, while messages fly, the rest. In time, several passes go
 // over a part of the sample together where that changes nothing. What is done to a tile is the caller's.
 
+#include "core/exact_sum.hpp"
 #include "core/stopwatch.hpp"
 #include "parallel/domain.hpp"
 #include "solver/disk_contacts.hpp"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace nappe {
@@ -59,7 +61,13 @@ public:
     TileSweep(const Communicator& comm, Stopwatch& watch) : comm_(comm), watch_(watch) {}
 
     /// Local. After a rebuild: which tiles come first.
-    void order_tiles(const CandidateSet<D>& candidates) { order_.build(candidates); }
+    void order_tiles(const CandidateSet<D>& candidates) {
+        order_.build(candidates);
+        grains_.clear();
+        for (const auto& tile : candidates.tiles) {
+            grains_.emplace_back(tile.grains_begin, tile.grains_end);
+        }
+    }
 
     /// Local. How many passes over so many bytes should go together.
     int together(double bytes) const {
@@ -74,6 +82,22 @@ public:
     template <class Visit>
     void run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit&& visit);
 
+    /// **Collective.** Sum of term(i) over all grains, i the row on the rank that owns it; the same on any number of ranks.
+    template <class Term>
+    double sum_over_grains(Term&& term) {
+        ExactSum sum;
+        for (const auto& [begin, end] : grains_) {
+            double of_tile = 0;
+            for (LocalId i = begin; i < end; ++i) {
+                of_tile += term(i);
+            }
+            sum.add(of_tile);
+        }
+        const auto lap = watch_.lap(Timed::exchange);
+        comm_.sum(sum.limbs());
+        return sum.value();
+    }
+
     /// Local. From now on passes note the seconds that each tile takes, by its row, the last of them; nullptr: no more.
     void time_into(std::vector<double>* seconds) { seconds_ = seconds; }
 
@@ -87,6 +111,7 @@ private:
     const Communicator& comm_;
     Stopwatch& watch_;
     TileOrder<D> order_;
+    std::vector<std::pair<LocalId, LocalId>> grains_; ///< rows of each tile
     std::vector<double>* seconds_ = nullptr;
 };
 

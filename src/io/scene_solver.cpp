@@ -1,0 +1,45 @@
+#include "io/scene_solver.hpp"
+
+#include "io/scene_choice.hpp"
+
+namespace nappe::scene_file {
+
+void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed) {
+    using Method = SolverSettings::Method;
+    read_choice<Method>(table, "method",
+                        {{"nsgs", Method::nsgs},
+                         {"ansgs", Method::ansgs},
+                         {"nncg", Method::nncg},
+                         {"apgd", Method::apgd},
+                         {"cpg", Method::cpg}},
+                        solver.method);
+    table.read("h", solver.h, positive("s", "give the time step in seconds"), step_needed);
+    table.read("theta", solver.theta, between(0.5, 1, "", "0.5 keeps energy, 1 damps most"));
+    table.read("sweeps", solver.sweeps, {1, "give the sweeps of a step; with a tolerance, the least"});
+    table.read("tolerance", solver.tolerance, positive("", "give the residual at which sweeps may end"));
+    table.read("max_sweeps", solver.max_sweeps, {1, "give the most sweeps of a step"});
+    table.read("check_every", solver.check_every, {1, "give the sweeps between two looks at the residual"});
+    table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
+    table.read("warm_start", solver.warm_start, "false starts every step without impulses");
+    using AtMax = SolverSettings::AtMax;
+    read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);
+    const bool concerned = table.has("tolerance") || table.has("max_sweeps") || table.has("sweeps");
+    if (concerned && solver.tolerance && solver.max_sweeps < solver.sweeps) {
+        const bool blame_most = table.has("max_sweeps") || !table.has("sweeps");
+        table.problem(blame_most ? "max_sweeps" : "sweeps",
+                      blame_most ? fmt::format("must be >= sweeps = {} with a tolerance", solver.sweeps)
+                                 : fmt::format("must be <= max_sweeps = {} with a tolerance", solver.max_sweeps),
+                      "raise max_sweeps or lower sweeps");
+    }
+}
+
+void refuse_idle_keys(const TableReader& table, bool has_tolerance) {
+    for (const auto* key : {"max_sweeps", "check_every", "at_max"}) {
+        if (table.has(key) && !has_tolerance) {
+            table.problem(key, "must be absent without a tolerance",
+                          "add tolerance, or remove this key: it has no effect");
+        }
+    }
+}
+
+} // namespace nappe::scene_file
