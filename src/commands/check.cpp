@@ -4,6 +4,8 @@
 #include "core/polygon.hpp"
 #include "io/progress.hpp"
 #include "io/scene_reader.hpp"
+#include "solver/disk_batch.hpp"
+#include "solver/fields.hpp"
 
 #include <fmt/format.h>
 
@@ -106,6 +108,28 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
     }
 }
 
+/// What is stored, for the sake of what, and what is not.
+template <class Out>
+void describe_fields(const Features& features, Out out) {
+    constexpr std::array<std::string_view, 3> per = {"grain", "candidate", "packed contact"};
+    fmt::format_to(out, "\nkernel     {}: {}\n", disk_kernels().name, kernel_variant(features));
+    fmt::format_to(out, "carried    {} B per grain, {} B per contact\n", bytes_per_grain(features),
+                   bytes_per_contact(features));
+    for (const bool carried : {true, false}) {
+        if (!carried) {
+            fmt::format_to(out, "not carried\n");
+        }
+        for (const auto& field : fields_of(features)) {
+            if (field.carried == carried) {
+                fmt::format_to(out, "  {:<24} {:>2} B per {:<15} {}{}\n",
+                               fmt::format("{}::{}", field.where, field.name), field.bytes,
+                               per[static_cast<std::size_t>(field.per)], field.holds,
+                               field.asked_by.empty() ? "" : fmt::format(" (for: {})", field.asked_by));
+            }
+        }
+    }
+}
+
 } // namespace
 
 Estimate estimate(const Scene<2>& scene, const CostModel& cost) {
@@ -116,7 +140,9 @@ Estimate estimate(const Scene<2>& scene, const CostModel& cost) {
     e.grains += static_cast<double>(scene.grains.size());
     e.contacts = contacts_per_grain * e.grains;
     e.candidates = candidates_per_grain * e.grains;
-    e.memory = cost.bytes_per_grain * e.grains + cost.bytes_per_contact * e.candidates;
+    const auto features = features_of(scene);
+    e.memory = static_cast<double>(bytes_per_grain(features)) * e.grains +
+               static_cast<double>(bytes_per_contact(features)) * e.candidates;
     for (const auto& stage : scene.stages) {
         if (!stage.until) {
             const auto steps = static_cast<double>(n_steps(stage));
@@ -138,6 +164,7 @@ std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks) {
     auto out = std::back_inserter(text);
     fmt::format_to(out, "{}\n", scene.title.empty() ? "(no title)" : scene.title);
     describe_contents(scene, out);
+    describe_fields(features_of(scene), out);
     fmt::format_to(out, "\nestimates, without the stages that settle\n");
     fmt::format_to(out, "grains     {:.0f}{}\n", e.grains,
                    scene.sample ? fmt::format(" (solid fraction {})", solid_fraction) : "");

@@ -3,7 +3,6 @@
 
 #include "core/rows.hpp"
 #include "core/scene.hpp"
-#include "solver/disk_contacts.hpp"
 
 #include <string>
 #include <vector>
@@ -12,11 +11,9 @@ namespace nappe {
 
 /// What things cost; the defaults are those of disks with the frictional law.
 struct CostModel {
-    double ns_per_relaxation = 8;                         ///< of one contact in one sweep on one rank [ns]
-    double bytes_per_grain = State<2>::bytes_per_grain(); ///< in memory
-    double bytes_per_contact = CandidateSet<2>::bytes_per_candidate() + DiskContacts::bytes_per_packed; ///< in memory
-    double frame_bytes_per_grain = sizeof(FrameGrain<2>);                                               ///< on disk
-    double frame_bytes_per_contact = sizeof(FrameContact<2>);                                           ///< on disk
+    double ns_per_relaxation = 8;                             ///< of one contact in one sweep on one rank [ns]
+    double frame_bytes_per_grain = sizeof(FrameGrain<2>);     ///< on disk
+    double frame_bytes_per_contact = sizeof(FrameContact<2>); ///< on disk
 };
 
 /// Figures known before anything is computed. All but the exact counts of the scene are estimates.
@@ -35,7 +32,7 @@ struct Estimate {
 /// Local.
 Estimate estimate(const Scene<2>& scene, const CostModel& cost);
 
-/// The summary that `nappe check` prints, for one rank and for `ranks`. Local.
+/// The summary that `nappe check` prints, for one rank and for `ranks`; its kernel is the fastest of this machine. Local.
 std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks);
 
 /// Reads the scene and prints its summary; returns the exit code (0). Local: only one process may run it. Throws

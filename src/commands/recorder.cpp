@@ -89,8 +89,8 @@ void Recorder::begin() {
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
             const auto g = contact_geometry(simulation_.state(), simulation_.walls(), set.a[c], set.b[c]);
             if (g.applies) {
-                sums.add(simulation_.state(), set.a[c], set.b[c], g.n,
-                         set.r[c].n * g.n + set.r[c].t[0] * Vec<2>(-g.n[1], g.n[0]));
+                const auto r = set.impulse(static_cast<std::size_t>(c));
+                sums.add(simulation_.state(), set.a[c], set.b[c], g.n, r.n * g.n + r.t[0] * Vec<2>(-g.n[1], g.n[0]));
             }
         }
         sums.end_tile();

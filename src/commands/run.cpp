@@ -4,6 +4,7 @@
 #include "commands/recorder.hpp"
 #include "io/scene_reader.hpp"
 #include "io/summary.hpp"
+#include "solver/fields.hpp"
 
 #include <fmt/format.h>
 
@@ -127,15 +128,13 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     Recorder::claim(comm, options.out, options.samples);
     Progress progress(Progress::for_rank(comm.is_root()));
     Simulation<2> simulation(comm, scene, kernels);
-    progress.info(fmt::format(
-        "{}: {} ranks, disks in the plane, {} friction, {} restitution, {} cohesion, {} kernel, {} B per grain, {} B "
-        "per "
-        "contact",
-        scene.title, comm.size(), scene.laws.empty() ? "no" : "Coulomb",
-        std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& l) { return l.restitution > 0; }) ? "Newton"
-                                                                                                           : "no",
-        largest_range(scene) > 0 ? "Lennard-Jones" : "no", kernels.name, State<2>::bytes_per_grain(),
-        simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate()));
+    const auto features = features_of(scene);
+    progress.info(
+        fmt::format("{}: {} ranks, disks in the plane, {} friction, {} restitution, {} cohesion, {} kernel ({}), "
+                    "{} B per grain, {} B per contact",
+                    scene.title, comm.size(), features.friction ? "Coulomb" : "no",
+                    features.restitution ? "Newton" : "no", features.cohesion ? "Lennard-Jones" : "no", kernels.name,
+                    kernel_variant(features), bytes_per_grain(features), bytes_per_contact(features)));
     Preparation preparation;
     try {
         preparation = prepare(simulation, options.samples, progress, signal_caught);
@@ -185,6 +184,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["seconds"] = seconds;
     json["ns_per_relaxation"] = relaxations > 0 ? 1e9 * sweeping / static_cast<double>(relaxations) : 0.0;
     json["kernel"] = kernels.name;
+    json["kernel_variant"] = kernel_variant(features);
     json["rebuilds"] = counters.rebuilds;
     json["redone_lists"] = counters.redone_lists;
     json["redone_packs"] = counters.redone_packs;
@@ -199,8 +199,8 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["overlap_max"] = recorder.last_overlaps().largest;
     json["overlap_max_of_rows"] = recorder.largest_overlap();
     json["residual"] = residual ? nlohmann::ordered_json(residual->largest) : nlohmann::ordered_json();
-    json["bytes_per_grain"] = State<2>::bytes_per_grain();
-    json["bytes_per_contact"] = simulation.contacts().bytes_per_contact() + CandidateSet<2>::bytes_per_candidate();
+    json["bytes_per_grain"] = bytes_per_grain(features);
+    json["bytes_per_contact"] = bytes_per_contact(features);
     json["state_hash"] = hex_digits(hash);
     std::string error;
     if (comm.is_root()) {

@@ -20,7 +20,7 @@ void ContactMemory<D>::keep(const State<D>& state, const CandidateSet<D>& candid
     begin_.assign(static_cast<std::size_t>(state.n_own) + 1, 0);
     const auto n = static_cast<std::size_t>(candidates.size());
     for (std::size_t c = 0; c < n; ++c) {
-        begin_[static_cast<std::size_t>(candidates.a[c])] += any<D>(candidates.r[c]) ? 1 : 0;
+        begin_[static_cast<std::size_t>(candidates.a[c])] += any<D>(candidates.impulse(c)) ? 1 : 0;
     }
     std::int32_t sum = 0;
     for (auto& k : begin_) { // to the end of each row's part, from where it is filled backwards
@@ -28,9 +28,9 @@ void ContactMemory<D>::keep(const State<D>& state, const CandidateSet<D>& candid
     }
     partners_.resize(static_cast<std::size_t>(sum));
     for (std::size_t c = n; c-- > 0;) {
-        if (any<D>(candidates.r[c])) {
+        if (any<D>(candidates.impulse(c))) {
             const auto at = --begin_[static_cast<std::size_t>(candidates.a[c])];
-            partners_[static_cast<std::size_t>(at)] = {partner_key(state, candidates.b[c]), candidates.r[c]};
+            partners_[static_cast<std::size_t>(at)] = {partner_key(state, candidates.b[c]), candidates.impulse(c)};
         }
     }
 }
@@ -82,7 +82,7 @@ std::vector<ContactRow<D>> impulse_rows(const State<D>& state, const CandidateSe
     std::vector<ContactRow<D>> rows;
     rows.reserve(candidates.a.size());
     for (std::size_t c = 0; c < candidates.a.size(); ++c) {
-        const auto& r = candidates.r[c];
+        const auto r = candidates.impulse(c);
         if (any<D>(r)) {
             const auto a = static_cast<std::size_t>(candidates.a[c]);
             rows.push_back({state.id[a], partner_key(state, candidates.b[c]), r.n, r.t});

@@ -33,8 +33,9 @@ template <int D>
 struct CandidateSet {
     std::vector<Tile> tiles; ///< in the order of keys
     std::vector<LocalId> a, b;
-    std::vector<Impulse<D>> r; ///< of the last step
-    std::vector<Bond> bond;    ///< at the start of the step; empty unless cohesion acts
+    std::vector<double> r_n;                    ///< of the last step [N s]
+    std::vector<std::array<double, D - 1>> r_t; ///< likewise; empty without friction
+    std::vector<Bond> bond;                     ///< at the start of the step; empty unless cohesion acts
     /// First candidate of every class; a class ends where the next or the tile does.
     std::vector<std::int32_t> class_begin;
 
@@ -45,7 +46,8 @@ struct CandidateSet {
         tiles.clear();
         a.clear();
         b.clear();
-        r.clear();
+        r_n.clear();
+        r_t.clear();
         bond.clear();
         class_begin.clear();
     }
@@ -54,8 +56,23 @@ struct CandidateSet {
         return k + 1 < tile.classes_end ? class_begin[static_cast<std::size_t>(k + 1)] : tile.candidates_end;
     }
 
-    /// Bytes of one candidate, a figure of the code.
-    static constexpr std::size_t bytes_per_candidate() { return 2 * sizeof(LocalId) + sizeof(Impulse<D>); }
+    Impulse<D> impulse(std::size_t c) const { return {r_n[c], r_t.empty() ? std::array<double, D - 1>{} : r_t[c]}; }
+    void set_impulse(std::size_t c, const Impulse<D>& r) {
+        r_n[c] = r.n;
+        if (!r_t.empty()) {
+            r_t[c] = r.t;
+        }
+    }
+
+    /// Calls f(name, array) for every array over candidates.
+    template <class F>
+    void for_each_array(F&& f) const {
+        f("a", a);
+        f("b", b);
+        f("r_n", r_n);
+        f("r_t", r_t);
+        f("bond", bond);
+    }
 };
 
 /// Impulses that survive a rebuild. By row of the lower grain, as it was, while rows move on a rank; by name where

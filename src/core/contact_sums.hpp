@@ -23,9 +23,9 @@ public:
     /// Local. One contact of the current tile: impulse r on a (-r on b) along unit normal n from b to a [N s].
     void add(const State<D>& state, LocalId a, LocalId b, const Vec<D>& n, const Vec<D>& r) {
         const bool wall = b >= state.n_held();
-        const std::uint64_t of_b = wall ? 0 : state.cells[b];
-        if (state.cells[a] != 0) {
-            add_to_cells(state.cells[a], state.radius[a], n, r);
+        const std::uint64_t of_a = state.cells_of(a), of_b = wall ? 0 : state.cells_of(b);
+        if (of_a != 0) {
+            add_to_cells(of_a, state.radius[a], n, r);
         }
         if (of_b != 0) {
             add_to_cells(of_b, state.radius[b], n, r); // both factors change sign

@@ -365,12 +365,13 @@ void find_candidates(const State<D>& state, const TileGrid<D>& grid, const Walls
         }
         set.a.resize(static_cast<std::size_t>(tile.candidates_end));
         set.b.resize(set.a.size());
-        set.r.resize(set.a.size());
+        set.r_n.resize(set.a.size());
+        set.r_t.resize(state.carries.friction ? set.a.size() : 0);
         for (std::size_t c = 0; c < n; ++c) {
             const auto to = static_cast<std::size_t>(at[static_cast<std::size_t>(colour[c])]++);
             set.a[to] = search.a[c];
             set.b[to] = search.b[c];
-            set.r[to] = memory.find(search.a[c], state.id[search.a[c]], partner_key(state, search.b[c]));
+            set.set_impulse(to, memory.find(search.a[c], state.id[search.a[c]], partner_key(state, search.b[c])));
         }
         set.tiles.push_back(tile);
     }

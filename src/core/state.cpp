@@ -1,5 +1,7 @@
 #include "core/state.hpp"
 
+#include "core/error.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -45,12 +47,18 @@ void State<D>::reorder(const std::vector<LocalId>& from, const std::vector<Grain
     reorder_array(x, from, arrivals, [](const Record& g) { return position(g); });
     reorder_array(margin, from, arrivals, [](const Record& g) { return g.margin; });
     reorder_array(u, from, arrivals, [](const Record& g) { return g.u; });
-    reorder_array(rotation, from, arrivals, [](const Record& g) { return g.rotation; });
     reorder_array(radius, from, arrivals, [](const Record& g) { return g.radius; });
     reorder_array(mass, from, arrivals, [](const Record& g) { return g.mass; });
-    reorder_array(cells, from, arrivals, [](const Record& g) { return g.cells; });
-    reorder_array(layer, from, arrivals, [](const Record& g) { return g.layer; });
     reorder_array(material, from, arrivals, [](const Record& g) { return g.material; });
+    if (carries.turning) {
+        reorder_array(rotation, from, arrivals, [](const Record& g) { return g.rotation; });
+    }
+    if (carries.cells) {
+        reorder_array(cells, from, arrivals, [](const Record& g) { return g.cells; });
+    }
+    if (carries.layers) {
+        reorder_array(layer, from, arrivals, [](const Record& g) { return g.layer; });
+    }
 }
 
 template <int D>
@@ -65,11 +73,11 @@ void State<D>::complete(const std::vector<GrainRecord<D>>& ghosts, LocalId n_wal
     make_room(id, n);
     make_room(x, n);
     make_room(margin, n);
-    make_room(rotation, n);
+    make_room(rotation, carries.turning ? n : 0);
     make_room(radius, n);
     make_room(mass, n);
-    make_room(cells, n);
-    make_room(layer, n);
+    make_room(cells, carries.cells ? n : 0);
+    make_room(layer, carries.layers ? n : 0);
     make_room(u, bodies);
     make_room(material, bodies);
     make_room(mid, bodies);
@@ -80,12 +88,18 @@ void State<D>::complete(const std::vector<GrainRecord<D>>& ghosts, LocalId n_wal
         x[i] = position(g);
         margin[i] = g.margin;
         u[i] = g.u;
-        rotation[i] = g.rotation;
         radius[i] = g.radius;
         mass[i] = g.mass;
-        cells[i] = g.cells;
-        layer[i] = g.layer;
         material[i] = g.material;
+        if (carries.turning) {
+            rotation[i] = g.rotation;
+        }
+        if (carries.cells) {
+            cells[i] = g.cells;
+        }
+        if (carries.layers) {
+            layer[i] = g.layer;
+        }
     }
     for (std::size_t i = n; i < bodies; ++i) {
         u[i] = {};

@@ -3,6 +3,7 @@
 // that others own (ghosts), and then come the unmovable bodies of walls, one per sided feature, and one null body that
 // pads batches. Ghosts are integrated like owned grains, so that between rebuilds only velocities travel.
 
+#include "core/features.hpp"
 #include "core/rows.hpp"
 #include "core/types.hpp"
 
@@ -53,9 +54,11 @@ struct GrainRecord {
     std::int32_t layer = 0;
 };
 
-/// Arrays over bodies; all grain arrays have n_held() rows, `mid`, `u`, `u_old` and `material` have n_bodies().
+/// Arrays over bodies; all grain arrays have n_held() rows, `mid`, `u`, `u_old` and `material` have n_bodies(). Those of
+/// features that the scene does not have stay empty.
 template <int D>
 struct State {
+    Features carries; ///< to be set before the first grains come
     LocalId n_own = 0;
     double attraction = 0; ///< half the largest gap at which cohesion acts in this stage [m]
     std::vector<GlobalId> id;
@@ -65,12 +68,36 @@ struct State {
     std::vector<double> margin;         ///< how far a grain may go from x_ref before the lists are rebuilt [m]
     std::vector<BodyVelocity<D>> u;     ///< velocity, being solved for
     std::vector<BodyVelocity<D>> u_old; ///< velocity at the start of the step
-    std::vector<std::array<double, n_spin<D>>> rotation; ///< [rad]
+    std::vector<std::array<double, n_spin<D>>> rotation; ///< [rad]; empty where nothing turns
     std::vector<double> radius;                          ///< [m]
     std::vector<double> mass;                            ///< [kg]
-    std::vector<std::uint64_t> cells;                    ///< bit k: member of Output::cells[k]
-    std::vector<std::int32_t> layer;
+    std::vector<std::uint64_t> cells;                    ///< bit k: member of Output::cells[k]; empty without cells
+    std::vector<std::int32_t> layer;                     ///< empty where all are 1
     std::vector<std::int32_t> material;
+
+    /// Calls f(name, array) for every array.
+    template <class F>
+    void for_each_array(F&& f) const {
+        f("id", id);
+        f("x", x);
+        f("mid", mid);
+        f("x_ref", x_ref);
+        f("margin", margin);
+        f("u", u);
+        f("u_old", u_old);
+        f("rotation", rotation);
+        f("radius", radius);
+        f("mass", mass);
+        f("cells", cells);
+        f("layer", layer);
+        f("material", material);
+    }
+
+    std::array<double, n_spin<D>> rotation_of(LocalId i) const {
+        return carries.turning ? rotation[i] : std::array<double, n_spin<D>>{};
+    }
+    std::uint64_t cells_of(LocalId i) const { return carries.cells ? cells[i] : 0; }
+    std::int32_t layer_of(LocalId i) const { return carries.layers ? layer[i] : 1; }
 
     /// How far from x_ref a grain's contacts may begin before the next rebuild [m].
     double reach(LocalId i) const { return radius[i] + margin[i] + attraction; }
@@ -86,13 +113,13 @@ struct State {
         for (int d = 0; d < D; ++d) {
             g.x[d] = x[i][d];
         }
-        g.rotation = rotation[i];
+        g.rotation = rotation_of(i);
         g.radius = radius[i];
         g.mass = mass[i];
         g.margin = margin[i];
-        g.cells = cells[i];
+        g.cells = cells_of(i);
         g.material = material[i];
-        g.layer = layer[i];
+        g.layer = layer_of(i);
         return g;
     }
 
@@ -106,13 +133,6 @@ struct State {
 
     /// Local. Takes owned grains, then ghosts, then room for `n_walls` wall bodies and the null body.
     void assign(const std::vector<GrainRecord<D>>& own, const std::vector<GrainRecord<D>>& ghosts, LocalId n_walls);
-
-    /// Bytes of all arrays for one grain, a figure of the code, not of a run.
-    static constexpr std::size_t bytes_per_grain() {
-        return sizeof(GlobalId) + 2 * sizeof(Vec<D>) + sizeof(BodyPlace<D>) + sizeof(double) +
-               2 * sizeof(BodyVelocity<D>) + sizeof(std::array<double, n_spin<D>>) + 2 * sizeof(double) +
-               sizeof(std::uint64_t) + 2 * sizeof(std::int32_t);
-    }
 };
 
 /// The kinetic energy of a disk (I = m r²/2) in [J]. In space a sphere (2/5 m r²) would take its own factor.

@@ -107,7 +107,9 @@ void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<Conta
         grains = joined(comm_.exchange(to));
     }
     sort_by_tile(grains);
+    const auto carries = state.carries;
     state = {};
+    state.carries = carries;
     state.assign(grains, {}, n_wall_bodies);
     memory.rekey(state);
     list_tiles(state);

@@ -51,7 +51,7 @@ PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates
     const Step step{state, candidates, walls, h, activate_all, arrays(state)};
     PackFaults faults;
     // Laws that look at approach velocities have every tile packed anew.
-    const bool may_stay = !activate_all && !laws_.any_restitution;
+    const bool may_stay = !activate_all && !laws_.features.restitution;
     for (std::size_t t = 0; t < ranges_.size() && !fresh_; ++t) {
         if (may_stay && refresh_tile(t, step, faults)) {
             continue;
@@ -186,7 +186,7 @@ DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const 
                                         double v_free, double v_old) const {
     const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
     Found found{Decision::act, n, gap > 0 ? gap / step.h : 0.0};
-    if (laws_.any_restitution) {
+    if (laws_.features.restitution) {
         const double e = laws_.restitution(step.state.material[a], step.state.material[b]);
         if (e > 0) {
             // Newton's law needs the approach that free flight brings; a gap bias would take it away a step early.
@@ -256,11 +256,12 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
     batch.ny[l] = found.n[1];
     batch.bias[l] = found.bias;
     batch.m_eff[l] = 1.0 / (step.state.u[a].inv_m + step.state.u[b].inv_m);
-    batch.r_n[l] = step.candidates.r[c].n;
-    set_tangential(at, l, step.candidates.r[c].t[0]);
+    const auto r = step.candidates.impulse(static_cast<std::size_t>(c));
+    batch.r_n[l] = r.n;
+    set_tangential(at, l, r.t[0]);
     batch.a[l] = 4u * static_cast<std::uint32_t>(a);
     batch.b[l] = 4u * static_cast<std::uint32_t>(b);
-    if (!laws_.uniform) {
+    if (laws_.features.mixed_friction) {
         friction_[static_cast<std::size_t>(at)].mu[l] = laws_.friction(step.state.material[a], step.state.material[b]);
     }
     if (cohesive_) {

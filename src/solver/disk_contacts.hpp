@@ -40,7 +40,7 @@ public:
     DiskContacts(const Scene<2>& scene, const DiskKernels& kernels) : laws_(scene), kernels_(&kernels) {}
 
     /// Local. From now on, with the law's cohesion or without; to be followed by `forget`.
-    void set_cohesive(bool cohesive) { cohesive_ = cohesive && laws_.any_cohesion; }
+    void set_cohesive(bool cohesive) { cohesive_ = cohesive && laws_.features.cohesion; }
     bool cohesive() const { return cohesive_; }
 
     /// Local. Which pairs are bonded, from their gaps at State::mid and Walls::offset_mid, which are to be the positions
@@ -134,14 +134,18 @@ public:
         });
     }
 
-    /// Of a packed contact where one friction coefficient serves all.
-    static constexpr std::size_t bytes_per_packed =
-        (sizeof(DiskBatch) + sizeof(TangentBatch)) / n_lanes + sizeof(std::int32_t);
-
-    std::size_t bytes_per_contact() const {
-        return bytes_per_packed - (laws_.any_friction ? 0 : sizeof(double)) + (laws_.uniform ? 0 : sizeof(double)) +
-               (cohesive_ ? sizeof(double) + sizeof(Bond) : 0);
+    /// Calls f(name, array) for every array over lanes, which has an element for each or for each batch, and over
+    /// candidates.
+    template <class F>
+    void for_each_array(F&& f) const {
+        f("batches", batches_);
+        f("source", source_);
+        f("tangent", tangent_);
+        f("friction", friction_);
+        f("cohesion", cohesion_);
+        f("asleep", asleep_);
     }
+
     /// By one sweep, without bodies.
     std::size_t bytes_swept() const {
         return batches_.size() * sizeof(DiskBatch) + tangent_.size() * sizeof(TangentBatch) +
@@ -255,8 +259,8 @@ private:
     PairLaws laws_;
     const DiskKernels* kernels_;
     std::vector<DiskBatch> batches_;
-    std::vector<TangentBatch> tangent_;              ///< empty unless laws_.any_friction
-    std::vector<FrictionBatch> friction_;            ///< empty if laws_.uniform
+    std::vector<TangentBatch> tangent_;              ///< empty without friction
+    std::vector<FrictionBatch> friction_;            ///< empty unless laws differ in it
     std::vector<CohesionBatch> cohesion_;            ///< empty unless cohesive_
     std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
     bool cohesive_ = false;

@@ -21,7 +21,7 @@ RawResidual DiskContacts::residual(std::size_t tile, const std::vector<BodyVeloc
     for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
         const auto [v_n, v_t] = relative_velocity(batch, l, u);
         const double w_n = 1.0 / batch.m_eff[l], w_t = 3.0 * w_n;
-        const double mu = laws_.uniform ? laws_.uniform_friction : friction_[static_cast<std::size_t>(k)].mu[l];
+        const double mu = friction_.empty() ? laws_.uniform_friction : friction_[static_cast<std::size_t>(k)].mu[l];
         const double most = cohesive_ ? cohesion_[static_cast<std::size_t>(k)].most[l] : 0.0;
         const double wanted_n = batch.r_n[l] - (v_n + batch.bias[l]) * batch.m_eff[l];
         const double new_n = wanted_n > -most ? wanted_n : 0.0 - most;

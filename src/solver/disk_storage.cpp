@@ -44,10 +44,10 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     range.room += n;
     batches_.resize(static_cast<std::size_t>(range.begin + range.room));
     source_.resize(batches_.size() * n_lanes, -1);
-    if (laws_.any_friction) {
+    if (laws_.features.friction) {
         tangent_.resize(batches_.size());
     }
-    if (!laws_.uniform) {
+    if (laws_.features.mixed_friction) {
         friction_.resize(batches_.size());
     }
     if (cohesive_) {
@@ -62,7 +62,7 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     std::fill(std::begin(batch.a), std::end(batch.a), 4u * static_cast<std::uint32_t>(null_body));
     std::fill(std::begin(batch.b), std::end(batch.b), 4u * static_cast<std::uint32_t>(null_body));
     std::fill_n(source_.begin() + at * n_lanes, n_lanes, -1);
-    if (laws_.any_friction) {
+    if (laws_.features.friction) {
         tangent_[static_cast<std::size_t>(at)] = {};
     }
     if (cohesive_) {
@@ -104,9 +104,12 @@ void DiskContacts::store_tiles_but(std::size_t left_out, CandidateSet<2>& candid
 
 void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) const {
     const auto& of = candidates.tiles[tile];
-    std::fill(candidates.r.begin() + of.candidates_begin, candidates.r.begin() + of.candidates_end, Impulse<2>{});
+    for (auto c = of.candidates_begin; c < of.candidates_end; ++c) {
+        candidates.set_impulse(static_cast<std::size_t>(c), {});
+    }
     for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
-        candidates.r[source_[static_cast<std::size_t>(k * n_lanes + l)]] = {batch.r_n[l], {tangential(k, l)}};
+        const auto c = static_cast<std::size_t>(source_[static_cast<std::size_t>(k * n_lanes + l)]);
+        candidates.set_impulse(c, {batch.r_n[l], {tangential(k, l)}});
     });
 }
 

@@ -45,7 +45,7 @@ Overlaps overlaps(const Simulation<D>& simulation) {
             const double smaller = state.radius[a] < r_b ? state.radius[a] : r_b;
             const double overlap = g.gap < 0 ? -g.gap / smaller : 0.0;
             o.largest = overlap > o.largest ? overlap : o.largest;
-            if (set.r[c].n != 0) {
+            if (set.r_n[c] != 0) {
                 of_tile += overlap;
                 ++o.contacts;
             }
@@ -70,7 +70,7 @@ std::vector<CellShape<D>> cell_shapes(const Simulation<D>& simulation) {
     std::vector<std::int64_t> count(n, 0);
     std::vector<ExactSum> volume(n);
     for (LocalId i = 0; i < state.n_own; ++i) {
-        auto bits = state.cells[i];
+        auto bits = state.cells_of(i);
         for (std::size_t k = 0; bits != 0; ++k, bits >>= 1) {
             if ((bits & 1) == 0) {
                 continue;
@@ -136,16 +136,16 @@ std::vector<FrameGrain<D>> frame_grains(const Simulation<D>& simulation) {
     const auto& comm = simulation.comm();
     std::vector<std::vector<Load>> to(static_cast<std::size_t>(comm.size()));
     for (std::size_t c = 0; c < set.a.size(); ++c) {
-        if (set.r[c].n == 0) {
+        if (set.r_n[c] == 0) {
             continue;
         }
         const LocalId a = set.a[c], b = set.b[c];
-        to[static_cast<std::size_t>(comm.rank())].push_back({state.id[a], partner_key(state, b), set.r[c].n});
+        to[static_cast<std::size_t>(comm.rank())].push_back({state.id[a], partner_key(state, b), set.r_n[c]});
         if (b < state.n_held()) {
             const int owner =
                 b < state.n_own ? comm.rank()
                                 : simulation.domain().directory().owner(simulation.domain().grid().key(state.x_ref[b]));
-            to[static_cast<std::size_t>(owner)].push_back({state.id[b], state.id[a], set.r[c].n});
+            to[static_cast<std::size_t>(owner)].push_back({state.id[b], state.id[a], set.r_n[c]});
         }
     }
     std::vector<Load> loads;
@@ -188,15 +188,15 @@ std::vector<FrameContact<D>> frame_contacts(const Simulation<D>& simulation) {
         const auto* law = find_law(simulation.scene(), state.material[a], state.material[b]);
         const bool cohesive = simulation.contacts().cohesive() && law != nullptr && law->gamma > 0;
         const Bond bond = cohesive ? bond_at(g.gap, law->d_w) : Bond::none;
-        if (!g.applies || (set.r[c].n == 0 && g.gap > 0 && bond == Bond::none)) {
+        if (!g.applies || (set.r_n[c] == 0 && g.gap > 0 && bond == Bond::none)) {
             continue;
         }
         FrameContact<D> row;
         row.lo = state.id[a];
         row.hi = partner_key(state, b);
         row.gap = g.gap;
-        row.r_n = set.r[c].n;
-        row.r_t = set.r[c].t;
+        row.r_n = set.r_n[c];
+        row.r_t = set.impulse(c).t;
         double tangential = 0;
         for (int d = 0; d < D; ++d) {
             row.normal[d] = g.n[d];

@@ -1,7 +1,7 @@
 #pragma once
 // The laws of a scene as the packing of contacts asks for them.
 
-#include "core/scene.hpp"
+#include "core/features.hpp"
 
 #include <cstddef>
 #include <vector>
@@ -20,11 +20,8 @@ struct PairLaws {
         return range_[static_cast<std::size_t>(a * n_ + b)];
     } ///< d_w [m], 0 if gamma is
 
-    bool uniform = true; ///< one friction coefficient serves all pairs
-    double uniform_friction = 0;
-    bool any_friction = false;    ///< else contacts have no tangential part
-    bool any_restitution = false; ///< else no approach velocity is ever computed
-    bool any_cohesion = false;    ///< else the plain law's kernels sweep
+    Features features;           ///< of the scene
+    double uniform_friction = 0; ///< for all pairs, unless features.mixed_friction
 
 private:
     int n_ = 0;

@@ -22,6 +22,7 @@ Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const
       contacts_(scene, kernels), solver_(comm, watch_, scene.balance.by == BalanceSettings::By::time),
       sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);
+    state_.carries = features_of(scene);
 }
 
 template <int D>
@@ -85,9 +86,11 @@ template <int D>
 void Simulation<D>::rescale_impulses(double h) {
     if (h != impulse_h_) {
         const double factor = h / impulse_h_;
-        for (auto& r : candidates_.r) {
-            r.n *= factor;
-            for (double& t : r.t) {
+        for (double& n : candidates_.r_n) {
+            n *= factor;
+        }
+        for (auto& r_t : candidates_.r_t) {
+            for (double& t : r_t) {
                 t *= factor;
             }
         }
@@ -97,7 +100,7 @@ void Simulation<D>::rescale_impulses(double h) {
 
 template <int D>
 void Simulation<D>::mark_cells() {
-    for (LocalId i = 0; i < state_.n_held(); ++i) {
+    for (LocalId i = 0; i < state_.n_held() && state_.carries.cells; ++i) {
         std::uint64_t bits = 0;
         for (std::size_t k = 0; k < scene_.output.cells.size(); ++k) {
             const auto& cell = scene_.output.cells[k];
@@ -133,7 +136,7 @@ std::uint64_t Simulation<D>::state_hash() const {
         }
         for (int k = 0; k < n_spin<D>; ++k) {
             h = mix(h, state_.u[i].s[k]);
-            h = mix(h, state_.rotation[i][k]);
+            h = mix(h, state_.rotation_of(i)[k]);
         }
         sum += mix(h, state_.radius[i]);
     }

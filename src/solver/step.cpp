@@ -252,7 +252,7 @@ void Simulation<D>::integrate(double h) {
             state_.x[i][d] += later * u.v[d] + before * u_old.v[d];
             state_.mid[i].x[d] = state_.x[i][d];
         }
-        for (int k = 0; k < n_spin<D>; ++k) {
+        for (int k = 0; k < n_spin<D> && state_.carries.turning; ++k) {
             state_.rotation[i][k] += (later * u.s[k] + before * u_old.s[k]) / state_.radius[i];
         }
     }
@@ -271,7 +271,7 @@ void Simulation<D>::find_reported_tiles() {
         const auto& tile = candidates_.tiles[t];
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
             const LocalId a = candidates_.a[c], b = candidates_.b[c];
-            if (b >= state_.n_held() || (state_.cells[a] | state_.cells[b]) != 0) {
+            if (b >= state_.n_held() || (state_.cells_of(a) | state_.cells_of(b)) != 0) {
                 reported_tiles_.push_back(t);
                 break;
             }
@@ -285,7 +285,7 @@ void Simulation<D>::collect() {
     const auto lap = watch_.lap(Timed::measure);
     for (const std::size_t t : reported_tiles_) {
         contacts_.for_each(t, [&](LocalId a, LocalId b, const Vec<D>& n, double r_n, double r_t) {
-            if (b < state_.n_held() && (state_.cells[a] | state_.cells[b]) == 0) {
+            if (b < state_.n_held() && (state_.cells_of(a) | state_.cells_of(b)) == 0) {
                 return;
             }
             sums_.add(state_, a, b, n, r_n * n + r_t * Vec<D>(-n[1], n[0]));

@@ -4,6 +4,7 @@
 #include "scene_examples.hpp"
 
 #include "io/scene_reader.hpp"
+#include "solver/fields.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,17 +23,16 @@ Scene<2> square() {
 }
 
 TEST(check, estimates_follow_from_the_scene) {
-    const CostModel cost{.ns_per_relaxation = 10,
-                         .bytes_per_grain = 100,
-                         .bytes_per_contact = 50,
-                         .frame_bytes_per_grain = 80,
-                         .frame_bytes_per_contact = 40};
-    const auto e = estimate(square(), cost);
+    const CostModel cost{.ns_per_relaxation = 10, .frame_bytes_per_grain = 80, .frame_bytes_per_contact = 40};
+    const auto scene = square();
+    const auto e = estimate(scene, cost);
+    const auto grain = static_cast<double>(bytes_per_grain(features_of(scene)));
+    const auto contact = static_cast<double>(bytes_per_contact(features_of(scene)));
     const double grains = 83 / (std::numbers::pi * 0.25);
     const double round_off = 1e-12; // a handful of products and quotients
     EXPECT_NEAR(e.grains / grains, 1, round_off);
     EXPECT_NEAR(e.contacts / (2.1 * grains), 1, round_off);
-    EXPECT_NEAR(e.memory / (grains * (100 + 50 * 2.9)), 1, round_off);
+    EXPECT_NEAR(e.memory / (grains * (grain + contact * 2.9)), 1, round_off);
     EXPECT_EQ(e.loading_steps, 300) << "settling does not count";
     EXPECT_NEAR(e.relaxations / (2.1 * grains * 300 * 60), 1, round_off);
     EXPECT_NEAR(e.seconds / (1e-8 * e.relaxations), 1, round_off);
@@ -52,7 +52,8 @@ TEST(check, summary_names_what_the_scene_holds) {
     for (const auto* part : {"box of disks", "dimension  2", "floor: 2 points of wall, fixed",
                              "piston: 2 points of steel, moves at [0.5, 0] m/s from stage push to 2 s",
                              "rock - rock: frictional, friction 0.4", "push: 3 s, 300 steps", "3 substeps, 60 sweeps",
-                             "cells      2", "a rank on 4", "frames     9"}) {
+                             "cells      2", "a rank on 4", "frames     9", "one friction", "State::cells",
+                             "(for: friction)", "not carried\n  CandidateSet::bond"}) {
         EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
     }
 }

@@ -19,10 +19,10 @@ TEST(DiskContacts, WhatIsBondedActsAndWhatIsPartedLosesItsPull) {
         DiskContacts contacts(f.scene, disk_kernels("portable"));
         contacts.set_cohesive(true);
         contacts.find_bonds(f.state, f.candidates, f.walls);
-        for (std::size_t c = 0; c < f.candidates.r.size(); ++c) {
+        for (std::size_t c = 0; c < f.candidates.r_n.size(); ++c) {
             const auto lo = f.state.id[f.candidates.a[c]];
             EXPECT_EQ(f.candidates.bond[c], lo == 1 ? Bond::cohesive : lo == 5 ? Bond::stick : Bond::none) << lo;
-            f.candidates.r[c] = {-1e3 * h, {0.1}};
+            f.candidates.set_impulse(c, {-1e3 * h, {0.1}});
         }
         contacts.pack(f.state, f.candidates, f.walls, h, false);
         auto found = f.packed(contacts);

@@ -84,20 +84,22 @@ TEST(DiskContacts, ImpulsesComeBackToTheirCandidates) {
     }
     Fixture f(gaps, approaches);
     for (std::int32_t c = 0; c < f.candidates.size(); ++c) {
-        f.candidates.r[c] = {1.0 + c, {-0.25 * c}};
+        f.candidates.set_impulse(c, {1.0 + c, {-0.25 * c}});
     }
     DiskContacts contacts(f.scene, disk_kernels("portable"));
     contacts.pack(f.state, f.candidates, f.walls, h, false);
     EXPECT_EQ(contacts.n_active(), 16);
     auto stored = f.candidates;
-    std::fill(stored.r.begin(), stored.r.end(), Impulse<2>{99, {99}});
+    for (std::size_t c = 0; c < stored.r_n.size(); ++c) {
+        stored.set_impulse(c, {99, {99}});
+    }
     contacts.store(stored);
     const auto found = f.packed(contacts);
     for (std::int32_t c = 0; c < stored.size(); ++c) {
         const auto id = f.state.id[f.candidates.a[c]];
         const bool packed = found.count(id) != 0 && f.candidates.b[c] < f.state.n_held();
-        EXPECT_EQ(stored.r[c].n, packed ? 1.0 + c : 0.0) << c;
-        EXPECT_EQ(stored.r[c].t[0], packed ? -0.25 * c : 0.0) << c;
+        EXPECT_EQ(stored.r_n[c], packed ? 1.0 + c : 0.0) << c;
+        EXPECT_EQ(stored.r_t[c][0], packed ? -0.25 * c : 0.0) << c;
         if (packed) {
             EXPECT_EQ(found.at(id).r_n, 1.0 + c);
         }
@@ -107,7 +109,7 @@ TEST(DiskContacts, ImpulsesComeBackToTheirCandidates) {
 /// A warm start: each impulse changes v by r/m, and the rim speeds of both by -2 r_t/m.
 TEST(DiskContacts, AppliesImpulsesToBothBodies) {
     Fixture f({0.0}, {0});
-    f.candidates.r[f.candidates.size() - 1] = {6, {-1.5}};
+    f.candidates.set_impulse(static_cast<std::size_t>(f.candidates.size()) - 1, {6, {-1.5}});
     ASSERT_EQ(f.state.id[f.candidates.a[f.candidates.size() - 1]], 1);
     DiskContacts contacts(f.scene, disk_kernels("portable"));
     contacts.pack(f.state, f.candidates, f.walls, h, false);
@@ -303,16 +305,11 @@ TEST_F(Block, BatchesDoWhatTheFrozenOrderDoes) {
     expect_same(state, plain);
 }
 
-/// A scene whose laws differ in friction keeps one coefficient per contact; one whose laws agree keeps none.
-TEST(DiskContacts, FrictionIsKeptPerContactOnlyWhereLawsDiffer) {
-    Fixture same({0.0}, {0}), different({0.0}, {0}, 0, 0.1);
-    EXPECT_TRUE(PairLaws(same.scene).uniform);
-    EXPECT_FALSE(PairLaws(different.scene).uniform);
+TEST(DiskContacts, FrictionIsThatOfThePair) {
+    Fixture different({0.0}, {0}, 0, 0.1);
     EXPECT_EQ(PairLaws(different.scene).friction(1, 0), 0.1);
     EXPECT_EQ(PairLaws(different.scene).friction(0, 1), 0.1);
     EXPECT_EQ(PairLaws(different.scene).friction(0, 0), 0.5);
-    const DiskContacts one(same.scene, disk_kernels("portable")), many(different.scene, disk_kernels("portable"));
-    EXPECT_EQ(many.bytes_per_contact(), one.bytes_per_contact() + sizeof(double));
 }
 
 TEST(DiskContacts, ReportsTheLowestGrainThatWentThrough) {

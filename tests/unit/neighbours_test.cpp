@@ -298,8 +298,8 @@ TEST(Neighbours, RemembersImpulsesByName) {
     ASSERT_EQ(warm.a, cold.a);
     ASSERT_EQ(warm.b, cold.b);
     for (std::int32_t c = 0; c < warm.size(); ++c) {
-        EXPECT_EQ(warm.r[c].n, c % 3 == 0 ? 1.5 * c : 0.0);
-        EXPECT_EQ(warm.r[c].t[0], c % 3 == 0 ? -0.5 * c : 0.0);
+        EXPECT_EQ(warm.r_n[c], c % 3 == 0 ? 1.5 * c : 0.0);
+        EXPECT_EQ(warm.r_t[c][0], c % 3 == 0 ? -0.5 * c : 0.0);
     }
     auto back = impulse_rows(state, warm);
     EXPECT_EQ(back.size(), rows.size() - 2) << "without the parted pair and the candidate 0, whose impulse is 0";

@@ -118,7 +118,7 @@ public:
         return set.size() == 1 ? set.bond[0] : Bond::none;
     }
 
-    double r_n() { return run_->simulation().candidates().size() == 1 ? run_->simulation().candidates().r[0].n : 0; }
+    double r_n() { return run_->simulation().candidates().size() == 1 ? run_->simulation().candidates().r_n[0] : 0; }
 
 private:
     std::optional<SerialRun> run_;

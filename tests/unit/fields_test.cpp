@@ -1,0 +1,208 @@
+// A scene carries what it asks for and nothing else: the list of fields against a list by hand, and against the arrays
+// of running scenes.
+
+#include "solver/fields.hpp"
+
+#include "solver/disk_batch.hpp"
+#include "support/serial_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <set>
+
+namespace nappe {
+namespace {
+
+using test::SceneBuilder;
+
+/// Disks at rest in a box, without friction; `add` asks for more.
+struct Case {
+    const char* name;
+    std::function<void(Scene<2>&)> add;
+    std::set<std::string> fields; ///< that come with it
+};
+
+constexpr double radius = 0.2;
+
+Scene<2> plain() {
+    SceneBuilder builder(0);
+    builder.material("coating");
+    builder.law(0, 1, 0);
+    builder.box(3, 2, {RadiusLaw::Kind::constant, radius, radius}).stage(test::solver(0.01, 5));
+    return builder.scene();
+}
+
+void with_friction(Scene<2>& scene) {
+    for (auto& law : scene.laws) {
+        law.friction = 0.3;
+    }
+}
+
+const std::vector<Case>& cases() {
+    static const std::vector<Case> all = {
+        {"plain", [](auto&) {}, {}},
+        {"friction", with_friction, {"State::rotation", "CandidateSet::r_t", "DiskContacts::tangent"}},
+        {"mixed_friction",
+         [](auto& scene) { scene.laws[1].friction = 0.3; },
+         {"State::rotation", "CandidateSet::r_t", "DiskContacts::tangent", "DiskContacts::friction"}},
+        {"cohesion",
+         [](auto& scene) {
+             scene.laws[0].gamma = 10;
+             scene.laws[0].d_w = 0.01;
+         },
+         {"CandidateSet::bond", "DiskContacts::cohesion"}},
+        {"restitution", [](auto& scene) { scene.laws[0].restitution = 0.5; }, {}},
+        {"spin",
+         [](auto& scene) {
+             SingleGrain<2> grain;
+             grain.radius = radius;
+             grain.position = {1, 3};
+             grain.spin[0] = 2;
+             scene.grains.push_back(grain);
+         },
+         {"State::rotation"}},
+        {"cells",
+         [](auto& scene) {
+             scene.output.cells.push_back({"c", {1, 1}, 0.5});
+         },
+         {"State::cells"}},
+        {"layers", [](auto& scene) { scene.sample->layer_tops = {1}; }, {"State::layer"}},
+        {"layer_of_one_grain",
+         [](auto& scene) {
+             SingleGrain<2> grain;
+             grain.radius = radius;
+             grain.position = {1, 3};
+             grain.layer = 2;
+             scene.grains.push_back(grain);
+         },
+         {"State::layer"}},
+        {"driven_walls",
+         [](auto& scene) {
+             scene.walls[1].motion = Motion<2>{{0.1, 0}, 0, 0, {}};
+         },
+         {}},
+    };
+    return all;
+}
+
+Scene<2> scene_of(const Case& c) {
+    auto scene = plain();
+    c.add(scene);
+    return scene;
+}
+
+std::set<std::string> carried(const Features& features) {
+    std::set<std::string> names;
+    for (const auto& field : fields_of(features)) {
+        if (field.carried) {
+            names.insert(std::string(field.where) + "::" + field.name);
+        }
+    }
+    return names;
+}
+
+template <class T>
+constexpr std::size_t row_bytes = sizeof(T);
+template <>
+constexpr std::size_t row_bytes<DiskBatch> = sizeof(DiskBatch) / n_lanes;
+template <>
+constexpr std::size_t row_bytes<TangentBatch> = sizeof(TangentBatch) / n_lanes;
+template <>
+constexpr std::size_t row_bytes<FrictionBatch> = sizeof(FrictionBatch) / n_lanes;
+template <>
+constexpr std::size_t row_bytes<CohesionBatch> = sizeof(CohesionBatch) / n_lanes;
+
+/// Bytes of a row of every array that holds something, by name.
+std::map<std::string, std::size_t> held(const Simulation<2>& simulation) {
+    std::map<std::string, std::size_t> bytes;
+    const auto look = [&](const char* where) {
+        return [&bytes, where](const char* name, const auto& array) {
+            if (array.capacity() > 0) { // not only used: memory must not be taken either
+                bytes[std::string(where) + "::" + name] = row_bytes<typename std::decay_t<decltype(array)>::value_type>;
+            }
+        };
+    };
+    simulation.state().for_each_array(look("State"));
+    simulation.candidates().for_each_array(look("CandidateSet"));
+    simulation.contacts().for_each_array(look("DiskContacts"));
+    return bytes;
+}
+
+TEST(Fields, EveryFeatureBringsItsOwnAndNoOther) {
+    const std::set<std::string> always = {"State::id",
+                                          "State::x",
+                                          "State::mid",
+                                          "State::x_ref",
+                                          "State::margin",
+                                          "State::u",
+                                          "State::u_old",
+                                          "State::radius",
+                                          "State::mass",
+                                          "State::material",
+                                          "CandidateSet::a",
+                                          "CandidateSet::b",
+                                          "CandidateSet::r_n",
+                                          "DiskContacts::batches",
+                                          "DiskContacts::source",
+                                          "DiskContacts::asleep"};
+    for (const auto& c : cases()) {
+        auto wanted = always;
+        wanted.insert(c.fields.begin(), c.fields.end());
+        EXPECT_EQ(carried(features_of(scene_of(c))), wanted) << c.name;
+    }
+}
+
+TEST(Fields, RunningScenesHoldWhatTheListSays) {
+    for (const auto& c : cases()) {
+        test::SerialRun run(scene_of(c));
+        auto& simulation = run.simulation();
+        simulation.mark_cells();
+        run.steps(20);
+        simulation.start_stage(0); // a rebuild
+        run.steps(2);
+        ASSERT_GT(simulation.contacts().n_active(), 10) << c.name;
+        std::map<std::string, std::size_t> listed;
+        for (const auto& field : fields_of(features_of(simulation.scene()))) {
+            if (field.carried) {
+                listed[std::string(field.where) + "::" + field.name] = field.bytes;
+            }
+        }
+        EXPECT_EQ(held(simulation), listed) << c.name;
+    }
+}
+
+/// An array that for_each_array does not name would escape the test above.
+TEST(Fields, NoArrayIsLeftOut) {
+    constexpr std::size_t vector = sizeof(std::vector<double>);
+    std::size_t n = 0;
+    State<2>().for_each_array([&](const char*, const auto&) { ++n; });
+    constexpr std::size_t others = 2 * sizeof(double) + sizeof(Features); // n_own, padded, and attraction
+    EXPECT_EQ(sizeof(State<2>), n * vector + others);
+    n = 2; // tiles and class_begin are not of candidates
+    CandidateSet<2>().for_each_array([&](const char*, const auto&) { ++n; });
+    EXPECT_EQ(sizeof(CandidateSet<2>), n * vector);
+}
+
+TEST(Fields, BytesAreThoseOfTheArrays) {
+    Features none;
+    none.friction = none.mixed_friction = none.restitution = none.cohesion = none.turning = none.cells = none.layers =
+        none.driven_walls = false;
+    EXPECT_EQ(bytes_per_grain(none), 8u + 16 + 32 + 16 + 8 + 32 + 32 + 8 + 8 + 4);
+    EXPECT_EQ(bytes_per_contact(none), (4u + 4 + 8 + 4) + (6 * 8 + 4));
+    EXPECT_EQ(bytes_per_grain(Features()), bytes_per_grain(none) + 8 + 8 + 4);
+    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 3 * 8);
+}
+
+TEST(Fields, VariantsOfTheKernelAreNamed) {
+    std::set<std::string> names;
+    for (const auto& c : cases()) {
+        names.insert(kernel_variant(features_of(scene_of(c))));
+    }
+    EXPECT_EQ(names,
+              (std::set<std::string>{"frictionless", "frictionless, cohesive", "one friction", "mixed friction"}));
+}
+
+} // namespace
+} // namespace nappe
