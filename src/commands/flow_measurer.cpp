@@ -46,7 +46,7 @@ Hdf5Dataset image(const std::string& name, const FieldSlab& fields, int componen
 }
 
 /// The slab lies behind the plane of the grains, its front on it.
-void add_image(const FieldSlab& fields, Hdf5Content& content) {
+void add_image(const FieldSlab& fields, const Vec<2>& origin, Hdf5Content& content) {
     const auto& nodes = fields.nodes;
     auto& sets = content.datasets;
     sets.push_back(image("solid_fraction", fields, 1, [&](auto k, double* to) { *to = nodes[k].solid_fraction; }));
@@ -66,21 +66,28 @@ void add_image(const FieldSlab& fields, Hdf5Content& content) {
     attributes.push_back({"/VTKHDF", "Type", std::string("ImageData")});
     attributes.push_back(
         {"/VTKHDF", "WholeExtent", std::vector<std::int64_t>{0, grid.n_x - 1, 0, grid.n_y - 1, 0, image_layers - 1}});
-    attributes.push_back({"/VTKHDF", "Origin", std::vector<double>{grid.x(0), grid.y(0), -grid.spacing}});
+    attributes.push_back(
+        {"/VTKHDF", "Origin", std::vector<double>{grid.x(0) + origin[0], grid.y(0) + origin[1], -grid.spacing}});
     attributes.push_back({"/VTKHDF", "Spacing", std::vector<double>(3, grid.spacing)});
     attributes.push_back({"/VTKHDF", "Direction", std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}});
 }
 
-void add_profiles(const ProfileSlab& slab, int n_layers, Hdf5Content& content) {
+void add_profiles(const ProfileSlab& slab, int n_layers, const Vec<2>& origin, Hdf5Content& content) {
     std::vector<double> x(static_cast<std::size_t>(slab.bins.rows));
     for (std::size_t k = 0; k < x.size(); ++k) {
-        x[k] = slab.surface.middle(static_cast<std::size_t>(slab.bins.first) + k);
+        x[k] = slab.surface.middle(static_cast<std::size_t>(slab.bins.first) + k) + origin[0];
     }
+    const auto heights = [&](std::vector<double> y) {
+        for (double& value : y) {
+            value += origin[1];
+        }
+        return y;
+    };
     auto& sets = content.datasets;
     sets.push_back(numbers_dataset("/profile/x", slab.bins, 1, x));
-    sets.push_back(numbers_dataset("/profile/surface", slab.bins, 1, slab.profiles.surface));
-    sets.push_back(numbers_dataset("/profile/layer_top", slab.bins, n_layers, slab.profiles.top));
-    sets.push_back(numbers_dataset("/profile/layer_mean", slab.bins, n_layers, slab.profiles.mean));
+    sets.push_back(numbers_dataset("/profile/surface", slab.bins, 1, heights(slab.profiles.surface)));
+    sets.push_back(numbers_dataset("/profile/layer_top", slab.bins, n_layers, heights(slab.profiles.top)));
+    sets.push_back(numbers_dataset("/profile/layer_mean", slab.bins, n_layers, heights(slab.profiles.mean)));
 }
 
 /// Makes the folder of fields, empty of what an older run left there; what went wrong, or nothing.
@@ -169,7 +176,8 @@ void FlowMeasurer::measure(std::int64_t step, double time, std::span<const Frame
         scene_.output.zone ? zone_row(fields, profiles.surface, drive(seconds, walls)) : std::vector<double>();
     if (comm_.is_root()) {
         surface_series_->append(step, time,
-                                std::array{shape.front, shape.crest, shape.slope, shape.residual, shape.curvature});
+                                std::array{shape.front + scene_.origin[0], shape.crest + scene_.origin[0], shape.slope,
+                                           shape.residual, shape.curvature});
         if (zone_series_) {
             zone_series_->append(step, time, zone);
         }
@@ -197,12 +205,25 @@ std::vector<double> FlowMeasurer::zone_row(const FieldSlab& fields, const Surfac
         right[k] = zone_line(comm_.all_gather(mine.right), rule, scales_.spacing);
     }
     const auto fit = trishear(fields, surface, rule);
-    return {left[0].x,         left[0].angle,    left[0].residual,
-            left[0].points,    right[0].x,       right[0].angle,
-            right[0].residual, right[0].points,  left[0].angle - right[0].angle,
-            fit.model.tip[0],  fit.model.tip[1], std::atan(fit.model.m),
-            fit.model.s,       fit.residual,     fit.residual_inside,
-            left[1].angle,     right[1].angle,   left[2].angle,
+    const Vec<2>& origin = scene_.origin;
+    return {left[0].x + origin[0],
+            left[0].angle,
+            left[0].residual,
+            left[0].points,
+            right[0].x + origin[0],
+            right[0].angle,
+            right[0].residual,
+            right[0].points,
+            left[0].angle - right[0].angle,
+            fit.model.tip[0] + origin[0],
+            fit.model.tip[1] + origin[1],
+            std::atan(fit.model.m),
+            fit.model.s,
+            fit.residual,
+            fit.residual_inside,
+            left[1].angle,
+            right[1].angle,
+            left[2].angle,
             right[2].angle};
 }
 
@@ -232,8 +253,8 @@ TrishearFit FlowMeasurer::trishear(const FieldSlab& fields, const Surface& surfa
 void FlowMeasurer::write_fields(std::int64_t step, double time, const FieldSlab& fields,
                                 const ProfileSlab& profiles) const {
     Hdf5Content content;
-    add_image(fields, content);
-    add_profiles(profiles, n_layers_, content);
+    add_image(fields, scene_.origin, content);
+    add_profiles(profiles, n_layers_, scene_.origin, content);
     content.attributes.push_back({"/", "step", step});
     content.attributes.push_back({"/", "time", time});
     content.attributes.push_back({"/", "range", scales_.range});

@@ -114,7 +114,9 @@ void Measurer::measure_blocks(const FrameBlock<2>& frame, bool is_first) {
     }
 }
 
-void Measurer::measure(const FrameBlock<2>& frame) {
+void Measurer::measure(FrameBlock<2> frame) {
+    // Far from [0, 0] files round positions: a run takes its own measures of what it wrote, as `nappe measure` will.
+    shift(frame, Vec<2>(-scene_.origin));
     const bool is_first = references_.empty();
     if (is_first) {
         remember(frame);

@@ -24,8 +24,9 @@ public:
     Measurer& operator=(const Measurer&) = delete;
 
     /// **Collective.** One row in every series. Frames come in the order of time, that of step 0 first: sets of grains
-    /// are what they are then. Throws InputError if the first is another or empty, SystemError; on all ranks.
-    void measure(const FrameBlock<2>& frame);
+    /// are what they are then. Positions as files have them. Throws InputError if the first is another or empty,
+    /// SystemError; on all ranks.
+    void measure(FrameBlock<2> frame);
 
     /// **Collective.** Ends the series. Throws SystemError on all ranks if any row of them could not be written.
     void finish();

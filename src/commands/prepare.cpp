@@ -75,8 +75,8 @@ void settle(Simulation<2>& simulation, int stage, Progress& progress, const vola
 } // namespace
 
 SampleOrigin sample_origin(const Scene<2>& scene) {
-    std::string text = fmt::format("gravity [{}, {}] origin [{}, {}]\n", scene.gravity[0], scene.gravity[1],
-                                   scene.origin[0], scene.origin[1]);
+    // Of tiles, in the scene's own coordinates: a sample is the same wherever its scene lies.
+    std::string text = fmt::format("gravity [{}, {}] origin [0, 0]\n", scene.gravity[0], scene.gravity[1]);
     for (const auto& m : scene.materials) {
         text += fmt::format("material {} {}\n", m.name, m.density);
     }

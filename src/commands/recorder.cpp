@@ -139,7 +139,7 @@ void Recorder::write_row(std::int64_t step, double time) {
         constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
         const auto& residual = simulation_.last_residual();
         const auto& counters = simulation_.counters();
-        series_.front->append(step, time, std::array{front});
+        series_.front->append(step, time, std::array{front + simulation_.scene().origin[0]});
         series_.solver->append(step, time,
                                std::array{residual ? residual->largest : unknown, residual ? residual->rms : unknown,
                                           static_cast<double>(simulation_.last_sweeps()), overlaps_.mean,
@@ -229,12 +229,13 @@ void Recorder::write_frame(std::int64_t step, double time) {
         frame.walls.push_back({simulation_.walls().name(w), simulation_.walls().points(w)});
     }
     const auto& comm = simulation_.comm();
-    const auto block = in_blocks(comm, std::move(frame));
+    auto block = in_blocks(comm, std::move(frame));
+    shift(block, simulation_.scene().origin);
     const auto counts = nappe::write_frame(comm, folder_ / frame_name(step), block);
     index_.add(comm, {time, frame_name(step), counts.n_grains, counts.n_contacts});
     ++n_frames_;
     if (measurer_) {
-        measurer_->measure(block);
+        measurer_->measure(std::move(block));
     }
 }
 

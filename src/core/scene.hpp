@@ -184,7 +184,9 @@ struct Scene {
     std::string title;
     std::string text;                ///< the scene as run: the file with overrides applied, as TOML
     Vec<D> gravity = Vec<D>::Zero(); ///< [m/s²]
-    Vec<D> origin = Vec<D>::Zero();  ///< of the tile grid [m]
+    /// Of coordinates [m]: all positions of a scene and of what is computed are relative to it, so that a double places
+    /// a grain as well anywhere on Earth; files hold them with it. A corner of the tile grid lies here.
+    Vec<D> origin = Vec<D>::Zero();
     std::vector<Material> materials;
     std::vector<ContactLaw> laws;
     std::optional<Sample<D>> sample;

@@ -149,6 +149,29 @@ FrameBlock<D> in_blocks(const Communicator& comm, Frame<D>&& frame) {
 }
 
 template <int D>
+void shift(FrameBlock<D>& frame, const Vec<D>& by) {
+    if (by.isZero(0)) {
+        return; // -0 + 0 is another bit
+    }
+    const auto move = [&](std::array<double, D>& x) {
+        for (std::size_t d = 0; d < D; ++d) {
+            x[d] += by[static_cast<Eigen::Index>(d)];
+        }
+    };
+    for (auto& row : frame.grains) {
+        move(row.grain.x);
+    }
+    for (auto& row : frame.contacts) {
+        move(row.point);
+    }
+    for (auto& wall : frame.walls) {
+        for (auto& point : wall.points) {
+            point += by;
+        }
+    }
+}
+
+template <int D>
 FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& path, const FrameBlock<D>& frame) {
     const auto& blocks = frame.blocks;
     const RowRange grain_range{blocks.first(comm.rank()), blocks.count(comm.rank()), blocks.n};
@@ -174,6 +197,7 @@ FrameCounts write_frame(const Communicator& comm, const std::filesystem::path& p
     return write_frame(comm, path, in_blocks(comm, std::move(frame)));
 }
 
+template void shift(FrameBlock<2>&, const Vec<2>&);
 template FrameBlock<2> in_blocks(const Communicator&, Frame<2>&&);
 template FrameCounts write_frame<2>(const Communicator&, const std::filesystem::path&, const FrameBlock<2>&);
 template FrameCounts write_frame<2>(const Communicator&, const std::filesystem::path&, Frame<2>&&);

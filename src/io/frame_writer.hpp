@@ -43,6 +43,11 @@ struct FrameBlock {
     bool with_bonds = false;               ///< see Frame
 };
 
+/// Local. Positions of grains, contacts and walls are moved by `by` [m]: between those of a scene, relative to its origin,
+/// and those of files. Nought changes no bit.
+template <int D>
+void shift(FrameBlock<D>& frame, const Vec<D>& by);
+
 /// How many rows a frame has over all ranks; the XDMF index needs them.
 struct FrameCounts {
     std::int64_t n_grains = 0;

@@ -30,8 +30,9 @@ Radii radii_of(const Scene<2>& scene) {
     return radii;
 }
 
-std::string shown(const Vec<2>& p) {
-    return fmt::format("[{}, {}]", p[0], p[1]);
+/// A point as the file has it: with the origin, up to what was rounded off when it was taken away.
+std::string shown(const Scene<2>& scene, const Vec<2>& p) {
+    return fmt::format("[{:.15g}, {:.15g}]", p[0] + scene.origin[0], p[1] + scene.origin[1]);
 }
 
 const Material& material(const Scene<2>& scene, int index) {
@@ -81,7 +82,7 @@ void check_wall_points(const Scene<2>& scene, Problems& problems) {
             if (wall.points[k] == wall.points[k - 1]) {
                 problems.add(fmt::format("{}.{}", path, k),
                              fmt::format("must differ from the point before it, found {} twice; remove one",
-                                         shown(wall.points[k])));
+                                         shown(scene, wall.points[k])));
             }
         }
     }
@@ -101,7 +102,8 @@ bool is_flat(const std::vector<Vec<2>>& points) {
 }
 
 /// True if the profile is a sound polygon that has room for a grain.
-bool check_profile(const Sample<2>& sample, Problems& problems) {
+bool check_profile(const Scene<2>& scene, Problems& problems) {
+    const auto& sample = *scene.sample;
     const auto& profile = sample.profile;
     const std::string path = "sample.profile";
     if (profile.size() < 3) {
@@ -111,9 +113,9 @@ bool check_profile(const Sample<2>& sample, Problems& problems) {
     }
     for (std::size_t k = 1; k < profile.size(); ++k) {
         if (profile[k] == profile[k - 1]) {
-            problems.add(
-                fmt::format("{}.{}", path, k),
-                fmt::format("must differ from the point before it, found {} twice; remove one", shown(profile[k])));
+            problems.add(fmt::format("{}.{}", path, k),
+                         fmt::format("must differ from the point before it, found {} twice; remove one",
+                                     shown(scene, profile[k])));
             return false;
         }
     }
@@ -121,7 +123,7 @@ bool check_profile(const Sample<2>& sample, Problems& problems) {
         problems.add(
             fmt::format("{}.{}", path, profile.size() - 1),
             fmt::format("must differ from the first point, found {} again; remove it, the polygon closes by itself",
-                        shown(profile.back())));
+                        shown(scene, profile.back())));
         return false;
     }
     if (is_flat(profile)) {
@@ -157,7 +159,7 @@ void check_profile_is_free(const Scene<2>& scene, Problems& problems) {
                     fmt::format("walls.{}.points.{}", wall.name, k - 1),
                     fmt::format("must stay out of sample.profile, found the segment from {} to {} at least {:.3g} m "
                                 "inside; move the wall, or cut it out of the profile",
-                                shown(wall.points[k - 1]), shown(wall.points[k]), reached));
+                                shown(scene, wall.points[k - 1]), shown(scene, wall.points[k]), reached));
                 break;
             }
         }
@@ -167,7 +169,7 @@ void check_profile_is_free(const Scene<2>& scene, Problems& problems) {
         if (depth(sample.profile, grain.position) > tolerance - grain.radius) {
             problems.add(fmt::format("grains.{}.position", i),
                          fmt::format("must keep the grain out of sample.profile, found {} with radius {} [m]; move it",
-                                     shown(grain.position), grain.radius));
+                                     shown(scene, grain.position), grain.radius));
         }
     }
 }
@@ -228,17 +230,23 @@ void check_tiles(const Scene<2>& scene, const Radii& radii, Problems& problems) 
     }
 }
 
-/// Beyond 1e7 radii a double places a grain no better than 1e-9 of its radius, the deposit's own accuracy.
+/// Beyond 1e7 radii a double places a grain no better than 1e-9 of its radius, the deposit's own accuracy. What files
+/// hold is counted from [0, 0]: beyond 2^33 radii no better than 2e-6.
 void check_extent(const Scene<2>& scene, const Radii& radii, Problems& problems) {
-    const double limit = 1e7 * radii.min;
+    const double limit = 1e7 * radii.min, farthest = 0x1p33 * radii.min;
+    if (scene.origin.cwiseAbs().maxCoeff() > farthest) {
+        problems.add("world.origin",
+                     fmt::format("must lie within 2^33 smallest radii ({:.6g} m) of [0, 0], found {}; give coordinates "
+                                 "from a nearer point",
+                                 farthest, shown(scene, Vec<2>::Zero())));
+    }
     const auto check = [&](const std::string& path, const Vec<2>& p) {
         if (p.cwiseAbs().maxCoeff() > limit) {
-            problems.add(
-                path, fmt::format("must lie within 1e7 smallest radii ({:.6g} m) of [0, 0], found {}; shift the scene",
-                                  limit, shown(p)));
+            problems.add(path, fmt::format("must lie within 1e7 smallest radii ({:.6g} m) of world.origin, found {}; "
+                                           "shift the origin, or the scene",
+                                           limit, shown(scene, p)));
         }
     };
-    check("world.origin", scene.origin);
     for (std::size_t k = 0; scene.sample && k < scene.sample->profile.size(); ++k) {
         check(fmt::format("sample.profile.{}", k), scene.sample->profile[k]);
     }
@@ -274,7 +282,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     check_wall_points(scene, problems);
     check_tiles(scene, radii, problems);
     check_extent(scene, radii, problems);
-    if (scene.sample && check_profile(*scene.sample, problems)) {
+    if (scene.sample && check_profile(scene, problems)) {
         check_profile_is_free(scene, problems);
     }
     check_single_grains(scene, problems);

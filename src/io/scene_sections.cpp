@@ -23,8 +23,37 @@ bool read_world(const TableReader& top, Scene<2>& scene) {
         return false;
     }
     world->read("gravity", scene.gravity, any_real("m/s²", "give [0, -9.81] for the Earth's"));
-    world->read("origin", scene.origin, any_real("m", "give the corner that tiles are counted from"));
+    world->read("origin", scene.origin,
+                any_real("m", "give the point that positions are computed from, a corner of the tiles"));
     return true;
+}
+
+/// From the coordinates of files to those of a scene. Exact where the difference is a double: always for an origin of
+/// [0, 0]; far from there, where coordinates have few binary digits.
+void to_origin(Scene<2>& scene) {
+    const Vec<2>& origin = scene.origin;
+    if (scene.sample) {
+        for (auto& p : scene.sample->profile) {
+            p -= origin;
+        }
+        for (double& top : scene.sample->layer_tops) {
+            top -= origin[1];
+        }
+    }
+    for (auto& grain : scene.grains) {
+        grain.position -= origin;
+    }
+    for (auto& wall : scene.walls) {
+        for (auto& p : wall.points) {
+            p -= origin;
+        }
+    }
+    for (auto& cell : scene.output.cells) {
+        cell.centre -= origin;
+    }
+    if (scene.output.zone) {
+        scene.output.zone->tip -= origin;
+    }
 }
 
 } // namespace
@@ -61,6 +90,7 @@ Scene<2> read_sections(const toml::table& root, Problems& problems) {
     read_tiles(top, scene);
     read_balance(top, scene);
     read_output(top, scene);
+    to_origin(scene);
     return scene;
 }
 

@@ -18,7 +18,7 @@ double largest_radius(const Scene<D>& scene) {
 template <int D>
 Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels)
     : comm_(comm), scene_(scene), walls_(scene.walls),
-      domain_(comm, TileGrid<D>(scene.origin, scene.tiles.side_for(largest_radius(scene))), scene.balance),
+      domain_(comm, TileGrid<D>(Vec<D>::Zero(), scene.tiles.side_for(largest_radius(scene))), scene.balance),
       contacts_(scene, kernels), solver_(comm, watch_, scene.balance.by == BalanceSettings::By::time),
       sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);

@@ -18,7 +18,7 @@ inline constexpr double margin = 0.08; ///< of every grain [m]: half the default
 struct Pile {
     explicit Pile(int n_grains)
         : scene(make_scene(n_grains)), walls(scene.walls),
-          grid(scene.origin, scene.tiles.side_for(scene.sample->radii.max)) {
+          grid(Vec<2>::Zero(), scene.tiles.side_for(scene.sample->radii.max)) {
         std::vector<GrainRecord<2>> records;
         for (const auto& row : deposit(*scene.sample, 2800.0, scene.gravity)) {
             records.push_back(to_record(row));

@@ -116,21 +116,21 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
     Scene<2> expected;
     expected.title = "box of disks";
     expected.gravity = {0, -9.81};
-    expected.origin = {-1.5, 0};
+    expected.origin = {-1.5, 0}; // positions of a scene are relative to it: 1.5 m more than the file has along x
     expected.materials = {{"wall", 0}, {"rock", 2800}, {"steel", 0}};
     expected.laws = {{1, 1, 0.4, 0}, {2, 1, 0.3, 0.5}, {1, 0, 0, 0}};
     expected.sample = Sample<2>{.material = 1,
                                 .radii = {RadiusLaw::Kind::uniform, 0.42, 0.56},
-                                .profile = {{0, 0}, {20, 0}, {20, 5}, {8, 5}, {5, 10}, {0, 10}},
+                                .profile = {{1.5, 0}, {21.5, 0}, {21.5, 5}, {9.5, 5}, {6.5, 10}, {1.5, 10}},
                                 .layer_tops = {1.5, 3, 4.5},
                                 .seed = 7};
-    SingleGrain<2> grain{.material = 1, .radius = 0.5, .position = {10, 12}, .velocity = {0, -1}, .layer = 4};
+    SingleGrain<2> grain{.material = 1, .radius = 0.5, .position = {11.5, 12}, .velocity = {0, -1}, .layer = 4};
     grain.spin[0] = 2.5;
     expected.grains = {grain};
     expected.walls = {
-        {"floor", 0, {{0, 0}, {20, 0}}, std::nullopt},
-        {"piston", 2, {{0, 20}, {0, 0}}, Motion<2>{.velocity = {0.5, 0}, .stage = 1, .stop = 8}},
-        {"lid", 0, {{25, 0}, {25, 30}}, Motion<2>{.velocity = {0, 0.1}, .start = 2, .stop = {}}},
+        {"floor", 0, {{1.5, 0}, {21.5, 0}}, std::nullopt},
+        {"piston", 2, {{1.5, 20}, {1.5, 0}}, Motion<2>{.velocity = {0.5, 0}, .stage = 1, .stop = 8}},
+        {"lid", 0, {{26.5, 0}, {26.5, 30}}, Motion<2>{.velocity = {0, 0.1}, .start = 2, .stop = {}}},
     };
     const SolverSettings base{
         .h = 0.025, .substeps = 2, .theta = 0.6, .sweeps = 80, .tolerance = 1e-5, .max_sweeps = 500, .check_every = 20};
@@ -138,7 +138,8 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
     settling.h = 0.01;
     settling.sweeps = 300;
     expected.stages = {{"settle", SettleCriterion{1e-7, 1e-3, 50}, 0, settling}, {"push", std::nullopt, 10, base}};
-    expected.output = {40, 5, {{"W1", {3, 3}, 2}, {"W2", {9, 2}, 1.5}}, 1.5, {true, 2, 4, true}, {{1, {6, 0.5}, 0.2}}};
+    expected.output = {
+        40, 5, {{"W1", {4.5, 3}, 2}, {"W2", {10.5, 2}, 1.5}}, 1.5, {true, 2, 4, true}, {{1, {7.5, 0.5}, 0.2}}};
     expected.tiles = {8, 0.05, 4};
     expected.balance = {1.1, 100, BalanceSettings::By::time, BalanceSettings::Moves::always};
     EXPECT_EQ(fields(scene), fields(expected));
@@ -158,6 +159,27 @@ solver.h = 0.1)",
     expected.grains = {{.material = 1, .radius = 1}};
     expected.stages = {{.name = "fall", .until = {}, .duration = 1, .solver = {.h = 0.1, .tolerance = {}}}};
     EXPECT_EQ(fields(scene), fields(expected));
+}
+
+/// What a scene says of places is relative to its origin, and refused where doubles of the file are too coarse.
+TEST(scene_reader, origin_far_away) {
+    const auto scene_at = [](const char* x) {
+        return fmt::format(R"(
+world.origin = [{0}, 0]
+materials.rock.density = 1
+laws = [{{ between = ["rock", "rock"], type = "frictional", friction = 0 }}]
+grains = [{{ material = "rock", radius = 0.5, position = [{0}.5, 2] }}]
+stages = [{{ name = "fall", duration = 1 }}]
+solver.h = 0.1)",
+                           x);
+    };
+    for (const char* x : {"0", "1000000", "1000000000", "4294967295"}) {
+        const auto scene = parse_scene(scene_at(x), "far.toml");
+        EXPECT_EQ(scene.grains[0].position, Vec<2>(0.5, 2)) << x;
+    }
+    EXPECT_EQ(error_of(scene_at("5000000000")),
+              "bad.toml:2: world.origin: must lie within 2^33 smallest radii (4.29497e+09 m) of [0, 0], found "
+              "[5000000000, 0]; give coordinates from a nearer point");
 }
 
 TEST(scene_reader, constant_radius_and_layers_by_their_tops) {
