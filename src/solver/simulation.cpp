@@ -71,6 +71,7 @@ void Simulation<D>::start_stage(int stage) {
     stage_start_ = follows ? time() : 0.0;
     stage_ = stage;
     stage_steps_ = 0;
+    stage_substeps_ = 0;
     drive_walls();
     // Samples are prepared without cohesion, so that all strengths of it start from one.
     contacts_.set_cohesive(!preparing);

@@ -4,6 +4,7 @@
 #include "core/contact_set.hpp"
 #include "core/contact_sums.hpp"
 #include "core/energy_sums.hpp"
+#include "core/passage.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "core/stopwatch.hpp"
@@ -37,7 +38,9 @@ inline constexpr std::uint32_t outran_list = 1u << 1;
 inline constexpr std::uint32_t missed_contact = 1u << 2;
 inline constexpr std::uint32_t rebuild_next = 1u << 3;
 inline constexpr std::uint32_t through_wall = 1u << 4;
-inline constexpr std::uint32_t too_fast = 1u << 5;       ///< a grain moves farther in a step than tiles allow
+inline constexpr std::uint32_t too_fast = 1u << 5; ///< a grain moves farther in a step than tiles allow
+inline constexpr std::uint32_t fast = 1u << 6;     ///< a grain moves more than slow_stride of its radius in a step
+inline constexpr std::uint32_t passed = 1u << 7;   ///< a grain went through another, or through a wall
 inline constexpr std::uint32_t outside_first = 1u << 16; ///< bits from here on are the caller's: signals, I/O errors
 } // namespace flag
 
@@ -127,6 +130,9 @@ private:
     double largest_margin() const { return domain_.largest_margin(r_max_, state_.attraction); }
     double velocity_scale(double h) const;
     [[noreturn]] void fail(std::uint32_t flags, const PackFaults& faults, double h) const;
+    std::uint32_t look_for_passages(double h);
+    [[noreturn]] void fail_of_passage(const std::string& where) const;
+    [[noreturn]] void throw_through_wall(GlobalId who, const std::string& name, const std::string& where) const;
 
     const Communicator& comm_;
     Scene<D> scene_;
@@ -149,8 +155,11 @@ private:
     int stage_ = 0;
     double stage_start_ = 0;
     std::int64_t stage_steps_ = 0;
+    std::int64_t stage_substeps_ = 0;
     bool rebuild_due_ = true;
-    double impulse_h_ = 0; ///< step [s] whose impulses the candidates hold: forces are kept where h changes
+    bool some_fast_ = false; ///< flag::fast of the substep before, of all ranks
+    Passage passage_;        ///< this rank's, of the step in hand
+    double impulse_h_ = 0;   ///< step [s] whose impulses the candidates hold: forces are kept where h changes
     std::uint32_t agreed_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;

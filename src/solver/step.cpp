@@ -47,12 +47,12 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
         predict(h);
         const PackFaults faults = detect(h, activate_all);
         solve(h, sweeps, with_residual);
-        agreed_ = check(h, faults) | outside;
+        agreed_ = check(h, faults) | look_for_passages(h) | outside;
         {
             const auto lap = watch_.lap(Timed::check);
             agreed_ = comm_.bit_or(agreed_);
         }
-        constexpr std::uint32_t fatal = flag::not_finite | flag::through_wall | flag::too_fast;
+        constexpr std::uint32_t fatal = flag::not_finite | flag::through_wall | flag::too_fast | flag::passed;
         if ((agreed_ & fatal) != 0) {
             fail(agreed_, faults, h);
         }
@@ -84,6 +84,8 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
     }
     integrate(h);
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
+    some_fast_ = (agreed_ & flag::fast) != 0;
+    ++stage_substeps_;
 }
 
 template <int D>
@@ -207,7 +209,7 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
     for (LocalId i = 0; i < state_.n_own; ++i) {
         // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole step, and by one
         // more.
-        double here = 0, next = 0, jump = 0;
+        double here = 0, next = 0, jump = 0, stride = 0;
         for (int d = 0; d < D; ++d) {
             const double move = h * state_.u[i].v[d];
             const double at = state_.mid[i].x[d] - state_.x_ref[i][d] + move;
@@ -215,6 +217,11 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
             here += at * at;
             next += (at + move) * (at + move);
             jump += from_start * from_start;
+            stride += move * move;
+        }
+        const double slow = slow_stride * state_.radius[i];
+        if (stride > slow * slow) {
+            flags |= flag::fast;
         }
         const double margin = state_.margin[i];
         if (!(here <= margin * margin)) {
@@ -302,10 +309,10 @@ void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h
     const auto where = fmt::format("step {} of stage '{}' (t = {} s)", stage_steps_ + 1, stage, time());
     if ((flags & flag::through_wall) != 0) {
         const auto who = -comm_.max(-faults.through_wall);
-        const std::string wall = who == faults.through_wall ? walls_.name(faults.wall) : std::string();
-        throw NumericalFailure(fmt::format("the centre of grain {} went through wall '{}' in {}: overlaps grow without "
-                                           "bound there; take more solver.sweeps or a smaller solver.h",
-                                           who, comm_.first_error(wall), where));
+        throw_through_wall(who, who == faults.through_wall ? walls_.name(faults.wall) : std::string(), where);
+    }
+    if ((flags & flag::passed) != 0) {
+        fail_of_passage(where);
     }
     GlobalId mine = PackFaults::none;
     for (LocalId i = 0; i < state_.n_own; ++i) {
