@@ -187,6 +187,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["kernel_variant"] = kernel_variant(features);
     json["rebuilds"] = counters.rebuilds;
     json["redone_lists"] = counters.redone_lists;
+    json["redone_groups"] = counters.redone_groups;
     json["redone_packs"] = counters.redone_packs;
     json["rebalanced"] = counters.rebalanced;
     const auto busiest = comm.max(counters.relaxations);

@@ -13,7 +13,7 @@ namespace nappe {
 template <int D>
 class ContactSums {
 public:
-    ContactSums(std::size_t n_cells, const Walls<D>& walls) : walls_(walls) {
+    ContactSums(std::size_t n_cells, const Walls<D>& walls) : walls_(&walls) {
         cells_.resize(n_cells * D * D);
         tile_cells_.assign(cells_.size(), 0.0);
         walls_sum_.resize(static_cast<std::size_t>(walls.n_walls()) * D);
@@ -31,12 +31,12 @@ public:
             add_to_cells(of_b, state.radius[b], n, r); // both factors change sign
         }
         if (wall) {
-            const auto w = static_cast<std::size_t>(walls_.feature(b - state.n_held()).wall);
+            const auto w = static_cast<std::size_t>(walls_->feature(b - state.n_held()).wall);
             for (int d = 0; d < D; ++d) {
                 tile_walls_[w * D + static_cast<std::size_t>(d)] -= r[d];
             }
             // Of the kinetic energy's change, which is exact with the mean of both velocities.
-            tile_work_ += r.dot(0.5 * (walls_.v_old[w] + walls_.v[w]));
+            tile_work_ += r.dot(0.5 * (walls_->v_old[w] + walls_->v[w]));
             any_ = true;
         }
     }
@@ -118,7 +118,7 @@ private:
         }
     }
 
-    const Walls<D>& walls_;
+    const Walls<D>* walls_;
     std::vector<ExactSum> cells_, walls_sum_;
     std::vector<double> tile_cells_, tile_walls_;
     ExactSum work_;

@@ -20,6 +20,12 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     table.read("max_sweeps", solver.max_sweeps, {1, "give the most sweeps of a step"});
     table.read("check_every", solver.check_every, {1, "give the sweeps between two looks at the residual"});
     table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
+    table.read("geometry_every", solver.geometry_every, {1, "give the substeps that normals serve for"});
+    table.read("adaptive", solver.adaptive, positive("", "give the share of V below which a tile is left alone"));
+    if (solver.adaptive && solver.method != Method::nsgs) {
+        table.problem(table.has("adaptive") ? "adaptive" : "method", "must be absent unless method = \"nsgs\"",
+                      "the other methods move all impulses on together; remove adaptive");
+    }
     table.read("warm_start", solver.warm_start, "false starts every step without impulses");
     using AtMax = SolverSettings::AtMax;
     read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);

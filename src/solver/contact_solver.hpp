@@ -43,7 +43,10 @@ public:
         : comm_(comm), watch_(watch), sweep_(comm, watch), time_tiles_(time_tiles) {}
 
     /// Local. After a rebuild: which tiles come first.
-    void order_tiles(const CandidateSet<D>& candidates) { sweep_.order_tiles(candidates); }
+    /// @param watch_bodies whether tiles may be skipped: then the bodies of each are listed
+    void order_tiles(const CandidateSet<D>& candidates, bool watch_bodies = false) {
+        sweep_.order_tiles(candidates, watch_bodies);
+    }
 
     /// **Collective.** From free velocities to u = u_free + M⁻¹ H r with the impulses that `contacts` holds.
     void warm_start(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u);
@@ -60,6 +63,9 @@ public:
 
     /// Local. Seconds that each tile took in the first sweep of the last solve; empty unless asked for.
     const std::vector<double>& tile_seconds() const { return tile_seconds_; }
+
+    /// Local. How often each tile was relaxed in the last solve; empty if all were in every sweep. Pre: a solve.
+    const std::vector<std::int32_t>& tile_sweeps() const { return iteration_->tile_sweeps(); }
 
 private:
     /// One solve and its limits.

@@ -38,6 +38,11 @@ struct alignas(64) CohesionBatch {
     double most[n_lanes]; ///< [N s]
 };
 
+/// Gaps of a batch, kept only where normals serve for several substeps.
+struct alignas(64) KeptGapBatch {
+    double gap[n_lanes]; ///< [m]
+};
+
 /// n batches that follow each other, and what the scene's laws add to each of them: nullptr where nothing.
 struct BatchSpan {
     DiskBatch* contacts = nullptr;
@@ -46,6 +51,7 @@ struct BatchSpan {
     const FrictionBatch* friction = nullptr; ///< nullptr: `mu` holds for all
     const CohesionBatch* cohesion = nullptr; ///< nullptr: the plain law
     double mu = 0;
+    KeptGapBatch* kept_gaps = nullptr; ///< nullptr: every substep measures its own
 };
 
 /// One more number for each impulse of a batch, kept only by methods that look back; what it is, the method says.
@@ -117,7 +123,14 @@ struct DiskKernels {
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that
     /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back; what is bonded never sleeps.
     /// Returns how many are awake. Lanes of walls count as awake; what they get is for the caller to overwrite.
-    std::int64_t (*refresh)(const BatchSpan& batches, const BodyArrays& bodies, double h);
+    /// @param look seconds ahead that the rule looks: those for which normals are to serve
+    std::int64_t (*refresh)(const BatchSpan& batches, const BodyArrays& bodies, double h, double look);
+    /// Gaps and biases (inelastic law) after bodies moved for a time h at velocities u, normals as they are. Pre: gaps are
+    /// kept.
+    void (*advance)(const BatchSpan& batches, const double* u, double h);
+    /// `relax`; returns the largest squared change of a contact's impulses, times its own block: the squared residual that
+    /// the pass met [m²/s²].
+    double (*relax_watched)(const BatchSpan& batches, double* u, BodyRange soon);
     /// Pairs which[0] … which[n-1] of the lists a and b (rows); `which` nullptr: the first n. Writes (n + 7) / 8
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

@@ -48,7 +48,7 @@ bool sleeps(double gap, double size, double v_free, double v_old, double h) {
 
 PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
                               bool activate_all) {
-    const Step step{state, candidates, walls, h, activate_all, arrays(state)};
+    const Step step{state, candidates, walls, h, kept_ * h, activate_all, arrays(state)};
     PackFaults faults;
     // Laws that look at approach velocities have every tile packed anew.
     const bool may_stay = !activate_all && !laws_.features.restitution;
@@ -90,7 +90,7 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
     if (cohesive_) {
         refresh_bonds(range, step);
     }
-    range.active = kernels_->refresh(span(range), step.bodies, step.h);
+    range.active = kernels_->refresh(span(range), step.bodies, step.h, step.look);
     for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
         WallPair& pair = walls_[static_cast<std::size_t>(w)];
         const auto found = judge_wall(step, pair.candidate, faults);
@@ -106,6 +106,7 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
             batch.nx[l] = found.n[0];
             batch.ny[l] = found.n[1];
             batch.bias[l] = found.bias;
+            keep_gap(pair.slot, found.gap);
             if (!acts) {
                 batch.m_eff[l] = batch.r_n[l] = 0;
                 set_tangential(pair.slot / n_lanes, l, 0);
@@ -175,7 +176,7 @@ bool DiskContacts::any_wakes(std::size_t tile, const Step& step) {
     for (std::int32_t k = 0; k < n; ++k) {
         const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
         const int l = k % n_lanes;
-        if (bonded(step, which[k]) || !sleeps(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.h)) {
+        if (bonded(step, which[k]) || !sleeps(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.look)) {
             return true;
         }
     }
@@ -185,7 +186,7 @@ bool DiskContacts::any_wakes(std::size_t tile, const Step& step) {
 DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const Vec<2>& n, double gap, double size,
                                         double v_free, double v_old) const {
     const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
-    Found found{Decision::act, n, gap > 0 ? gap / step.h : 0.0};
+    Found found{Decision::act, n, gap > 0 ? gap / step.h : 0.0, gap};
     if (laws_.features.restitution) {
         const double e = laws_.restitution(step.state.material[a], step.state.material[b]);
         if (e > 0) {
@@ -197,7 +198,7 @@ DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const 
             return found;
         }
     }
-    if (!step.activate_all && !bonded(step, c) && sleeps(gap, size, v_free, v_old, step.h)) {
+    if (!step.activate_all && !bonded(step, c) && sleeps(gap, size, v_free, v_old, step.look)) {
         found.decision = Decision::sleep;
     }
     return found;
@@ -255,6 +256,7 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
     batch.nx[l] = found.n[0];
     batch.ny[l] = found.n[1];
     batch.bias[l] = found.bias;
+    keep_gap(at * n_lanes + l, found.gap);
     batch.m_eff[l] = 1.0 / (step.state.u[a].inv_m + step.state.u[b].inv_m);
     const auto r = step.candidates.impulse(static_cast<std::size_t>(c));
     batch.r_n[l] = r.n;

@@ -43,6 +43,13 @@ public:
     void set_cohesive(bool cohesive) { cohesive_ = cohesive && laws_.features.cohesion; }
     bool cohesive() const { return cohesive_; }
 
+    /// Local. For how many substeps normals are to serve: with more than one, gaps are kept with the contacts, and who may
+    /// act is looked for that far ahead. To be followed by `forget`.
+    void set_kept(int substeps) { kept_ = substeps; }
+
+    /// Local. Gaps and biases after a substep of h at velocities u, normals as they are.
+    void advance(const std::vector<BodyVelocity<2>>& u, double h);
+
     /// Local. Which pairs are bonded, from their gaps at State::mid and Walls::offset_mid, which are to be the positions
     /// at the start of the step: fills candidates.bond. Pre: cohesive().
     void find_bonds(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls);
@@ -73,6 +80,10 @@ public:
     void remember(int n);
 
     // Local. One tile's part in the passes of the methods (DiskKernels says what they do).
+    double relax_watched(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u) {
+        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
+        return kernels_->relax_watched(span(ranges_[tile]), doubles(u), soon);
+    }
     StepSums relax_ahead(std::size_t tile, std::size_t next, double beta, const TermRounding& rounding,
                          std::vector<BodyVelocity<2>>& u) {
         const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
@@ -183,6 +194,7 @@ private:
         Decision decision = Decision::ignore;
         Vec<2> n = Vec<2>::Zero();
         double bias = 0;
+        double gap = 0;
     };
 
     struct Step { ///< what all of `pack` reads
@@ -190,6 +202,7 @@ private:
         const CandidateSet<2>& candidates;
         const Walls<2>& walls;
         double h;
+        double look; ///< seconds ahead that the rule of who may act looks
         bool activate_all;
         BodyArrays bodies;
     };
@@ -203,7 +216,7 @@ private:
     BatchSpan span(const Range& range) {
         const auto from = [&](auto& side) { return side.empty() ? nullptr : side.data() + range.begin; };
         return {batches_.data() + range.begin, range.n, from(tangent_), from(friction_), from(cohesion_),
-                laws_.uniform_friction};
+                laws_.uniform_friction, from(kept_gaps_)};
     }
     /// The tangential impulse of a lane [N s].
     double tangential(std::int64_t batch, std::int64_t l) const {
@@ -212,6 +225,11 @@ private:
     void set_tangential(std::int64_t batch, std::int64_t l, double r_t) {
         if (!tangent_.empty()) {
             tangent_[static_cast<std::size_t>(batch)].r_t[l] = r_t;
+        }
+    }
+    void keep_gap(std::int64_t slot, double gap) {
+        if (!kept_gaps_.empty()) {
+            kept_gaps_[static_cast<std::size_t>(slot / n_lanes)].gap[slot % n_lanes] = gap;
         }
     }
     static LocalId row(std::uint32_t index) { return static_cast<LocalId>(index / 4); }
@@ -263,6 +281,8 @@ private:
     std::vector<FrictionBatch> friction_;            ///< empty unless laws differ in it
     std::vector<CohesionBatch> cohesion_;            ///< empty unless cohesive_
     std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
+    std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless kept_ > 1
+    int kept_ = 1;                                   ///< substeps that normals serve for
     bool cohesive_ = false;
     std::vector<std::int32_t> source_; ///< candidate of every lane, -1 for null contacts
     std::vector<Range> ranges_;        ///< of every tile

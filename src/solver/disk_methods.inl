@@ -1,6 +1,8 @@
 // Passes of the methods that look back at earlier impulses (nncg.cpp, ansgs.cpp, apgd.cpp, cpg.cpp), one source for all
-// instruction sets: included behind disk_sweep.inl, whose rules hold here too. A contact's impulses are moved on where it
+// instruction sets, with disk_sweep.inl, whose rules hold here too: included by disk_sweep_*.cpp. A contact's impulses are moved on where it
 // is relaxed, so that a method costs one pass; velocities, which are linear in the impulses, were moved on before it.
+
+#include "solver/disk_sweep.inl"
 
 namespace nappe {
 namespace {
@@ -98,6 +100,20 @@ private:
     Lane squared_ = {}, along_ = {};
 };
 
+#if defined(NAPPE_SCALAR)
+NAPPE_INLINE double largest_of(Lane v) {
+    return v;
+}
+#else
+NAPPE_INLINE double largest_of(const Lane& v) {
+    double largest = v[0];
+    for (int k = 1; k < width; ++k) {
+        largest = v[k] > largest ? v[k] : largest;
+    }
+    return largest;
+}
+#endif
+
 /// Gauss–Seidel on lanes l … of batch k, from y.
 template <Friction friction, bool cohesive>
 NAPPE_INLINE Impulses relax_from(const BatchSpan& batches, std::int64_t k, int l, const Impulses& y, double* u,
@@ -111,6 +127,40 @@ NAPPE_INLINE Impulses relax_from(const BatchSpan& batches, std::int64_t k, int l
     push_and_scatter<friction>(batch, l, u, c.a, c.b, c.nx, c.ny, z - y);
     m = c.m;
     return z;
+}
+
+void advance(const BatchSpan& batches, const double* u, double h) {
+    const Lane zero = {};
+    for (std::int64_t k = 0; k < batches.n; ++k) {
+        DiskBatch& batch = batches.contacts[k];
+        for (int l = 0; l < n_lanes; l += width) {
+            const Bodies a = gather(u, batch.a + l), b = gather(u, batch.b + l);
+            const Lane v_n = load(batch.nx + l) * (a.x - b.x) + load(batch.ny + l) * (a.y - b.y);
+            const Lane gap = load(batches.kept_gaps[k].gap + l) + h * v_n;
+            store(batches.kept_gaps[k].gap + l, gap);
+            store(batch.bias + l, gap > zero ? gap / h : zero);
+        }
+    }
+}
+
+double relax_watched(const BatchSpan& batches, double* u, BodyRange) {
+    return by_law(batches, [&]<Friction friction, bool cohesive>() {
+        const Lane zero = {}, one = zero + 1;
+        Lane largest = {};
+        for (std::int64_t k = 0; k < batches.n; ++k) {
+            for (int l = 0; l < n_lanes; l += width) {
+                const Impulses y = load_impulses<friction>(batches, k, l);
+                Lane m;
+                const Impulses z = relax_from<friction, cohesive>(batches, k, l, y, u, m);
+                store_impulses<friction>(batches, k, l, z);
+                const Lane w = m > zero ? one / m : zero;
+                const Lane e_n = w * (z.n - y.n), e_t = 3 * (w * (z.t - y.t));
+                const Lane squared = e_n * e_n + e_t * e_t;
+                largest = squared > largest ? squared : largest;
+            }
+        }
+        return largest_of(largest);
+    });
 }
 
 StepSums relax_ahead(const BatchSpan& batches, SearchBatch* before, double beta, const TermRounding& rounding,

@@ -18,6 +18,7 @@ void DiskContacts::lay_out(const Step& step) {
     tangent_.clear();
     friction_.clear();
     cohesion_.clear();
+    kept_gaps_.clear();
     walls_.clear();
     asleep_.resize(static_cast<std::size_t>(candidates.size()));
     ranges_.assign(n_tiles, {});
@@ -53,6 +54,9 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     if (cohesive_) {
         cohesion_.resize(batches_.size());
     }
+    if (kept_ > 1) {
+        kept_gaps_.resize(batches_.size());
+    }
 }
 
 /// Eight null contacts.
@@ -67,6 +71,15 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     }
     if (cohesive_) {
         cohesion_[static_cast<std::size_t>(at)] = {};
+    }
+    if (kept_ > 1) {
+        kept_gaps_[static_cast<std::size_t>(at)] = {};
+    }
+}
+
+void DiskContacts::advance(const std::vector<BodyVelocity<2>>& u, double h) {
+    for (const auto& range : ranges_) {
+        kernels_->advance(span(range), doubles(u), h);
     }
 }
 

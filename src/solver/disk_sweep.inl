@@ -337,7 +337,7 @@ NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, cons
     return g;
 }
 
-std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double h) {
+std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double h, double look) {
     const Lane zero = {}, one = zero + 1;
     Lane awake = {};
     for (std::int64_t k = 0; k < batches.n; ++k) {
@@ -346,7 +346,7 @@ std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double 
             const Gaps g = measure(bodies, batch.a + l, batch.b + l);
             // DiskContacts' rule of who sleeps; padding, without any mass that moves, always does.
             const Lane slower = g.v_old < g.v ? g.v_old : g.v;
-            const Lane closes = slower < zero ? -2 * h * slower : zero;
+            const Lane closes = slower < zero ? -2 * look * slower : zero;
             Lane acts = g.gap > 0.01 * g.size + closes ? zero : (g.inv_m > zero ? one : zero);
             if (batches.cohesion != nullptr) {
                 acts = load(batches.cohesion[k].most + l) > zero ? one : acts;
@@ -354,6 +354,9 @@ std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double 
             store(batch.nx + l, g.inv_m > zero ? g.nx : zero);
             store(batch.ny + l, g.inv_m > zero ? g.ny : zero);
             store(batch.bias + l, g.gap > zero ? g.gap / h : zero);
+            if (batches.kept_gaps != nullptr) {
+                store(batches.kept_gaps[k].gap + l, g.inv_m > zero ? g.gap : zero);
+            }
             store(batch.m_eff + l, acts > zero ? one / g.inv_m : zero);
             store(batch.r_n + l, acts > zero ? load(batch.r_n + l) : zero);
             if (batches.tangent != nullptr) {

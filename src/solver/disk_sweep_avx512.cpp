@@ -1,10 +1,8 @@
 #include "solver/disk_methods.inl"
-#include "solver/disk_sweep.inl"
 
 namespace nappe {
 
 extern const DiskKernels disk_kernels_avx512;
-const DiskKernels disk_kernels_avx512{"avx512", relax,    relax_ahead, relax_along, project, gradient,
-                                      turn,     go_along, apply,       refresh,     gaps};
+const DiskKernels disk_kernels_avx512{"avx512", relax, relax_ahead, relax_along, project, gradient, turn, go_along, apply, refresh, advance, relax_watched, gaps};
 
 } // namespace nappe

@@ -1,11 +1,9 @@
 #define NAPPE_SCALAR
 #include "solver/disk_methods.inl"
-#include "solver/disk_sweep.inl"
 
 namespace nappe {
 
 extern const DiskKernels disk_kernels_scalar;
-const DiskKernels disk_kernels_scalar{"scalar", relax,    relax_ahead, relax_along, project, gradient,
-                                      turn,     go_along, apply,       refresh,     gaps};
+const DiskKernels disk_kernels_scalar{"scalar", relax, relax_ahead, relax_along, project, gradient, turn, go_along, apply, refresh, advance, relax_watched, gaps};
 
 } // namespace nappe

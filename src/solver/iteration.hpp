@@ -36,6 +36,12 @@ public:
 
     /// **Collective.** n more sweeps. Afterwards impulses are feasible and u belongs to them.
     virtual IterationWork advance(const ContactProblem<D>& problem, int n) = 0;
+
+    /// Local. How often each tile was relaxed since `begin`; empty if all were in every sweep.
+    virtual const std::vector<std::int32_t>& tile_sweeps() const {
+        static const std::vector<std::int32_t> all;
+        return all;
+    }
 };
 
 /// The iteration of a method. `sweep` must outlive it.

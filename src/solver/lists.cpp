@@ -71,7 +71,7 @@ void Simulation<D>::rebuild() {
     impulses_stale_ = false;
     contacts_.forget();
     domain_.build_halo(state_, candidates_);
-    solver_.order_tiles(candidates_);
+    solver_.order_tiles(candidates_, settings().adaptive.has_value());
     costs_.relist(candidates_);
     find_reported_tiles();
     ++counters_.rebuilds;

@@ -7,13 +7,63 @@ void Nsgs<D>::begin(const ContactProblem<D>& problem) {
     problem.contacts.remember(0);
     const auto bytes = problem.contacts.bytes_swept() + problem.u.size() * sizeof(BodyVelocity<D>);
     together_ = sweep_.together(static_cast<double>(bytes));
+    const auto watched = problem.settings.adaptive ? problem.contacts.n_tiles() : 0;
+    tile_sweeps_.assign(watched, 0);
+    quiet_at_.resize(watched);
+    for (auto& velocities : quiet_at_) {
+        velocities.clear(); // and keeps its memory
+    }
 }
 
 template <int D>
 IterationWork Nsgs<D>::advance(const ContactProblem<D>& problem, int n) {
-    sweep_.run(n, together_, problem.halo, problem.u,
-               [&](std::size_t t, std::size_t next) { problem.contacts.relax(t, next, problem.u); });
-    return {n * problem.contacts.n_active(), 0};
+    auto& contacts = problem.contacts;
+    if (!problem.settings.adaptive) {
+        sweep_.run(n, together_, problem.halo, problem.u,
+                   [&](std::size_t t, std::size_t next) { contacts.relax(t, next, problem.u); });
+        return {n * contacts.n_active(), 0};
+    }
+    const double limit = *problem.settings.adaptive * problem.unit, limit_squared = limit * limit;
+    std::int64_t relaxations = 0;
+    sweep_.run(n, together_, problem.halo, problem.u, [&](std::size_t t, std::size_t next) {
+        if (!quiet_at_[t].empty() && stays_quiet(t, problem.u, limit_squared)) {
+            return;
+        }
+        quiet_at_[t].clear();
+        if (contacts.relax_watched(t, next, problem.u) <= limit_squared) {
+            note(t, problem.u);
+        }
+        relaxations += contacts.n_active(t);
+        ++tile_sweeps_[t];
+    });
+    return {relaxations, 0};
+}
+
+template <int D>
+bool Nsgs<D>::stays_quiet(std::size_t tile, const std::vector<BodyVelocity<D>>& u, double limit_squared) const {
+    const auto bodies = sweep_.bodies(tile);
+    const auto& was = quiet_at_[tile];
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+        const auto& now = u[static_cast<std::size_t>(bodies[k])];
+        double squared = 0;
+        for (int d = 0; d < D; ++d) {
+            squared += (now.v[d] - was[k].v[d]) * (now.v[d] - was[k].v[d]);
+        }
+        for (int d = 0; d < n_spin<D>; ++d) {
+            squared += (now.s[d] - was[k].s[d]) * (now.s[d] - was[k].s[d]);
+        }
+        if (squared > limit_squared) {
+            return false;
+        }
+    }
+    return true;
+}
+
+template <int D>
+void Nsgs<D>::note(std::size_t tile, const std::vector<BodyVelocity<D>>& u) {
+    for (const LocalId i : sweep_.bodies(tile)) {
+        quiet_at_[tile].push_back(u[static_cast<std::size_t>(i)]);
+    }
 }
 
 template class Nsgs<2>;

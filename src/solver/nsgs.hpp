@@ -1,5 +1,10 @@
 #pragma once
 // Block non-smooth Gauss–Seidel (seeds/000 eq. 5), by tiles; departs from the source in the order of relaxation only.
+//
+// With SolverSettings::adaptive a tile is left alone once it is quiet: its last pass changed no contact by more than
+// adaptive x V (measured as the residual is), until some grain that its contacts move has changed its velocity by more than
+// that since. Whether it is left alone follows from velocities that all holders have alike, so it is the same on any number
+// of ranks; nothing is remembered beyond the solve. What is left undone is at most of the size of adaptive x V a contact.
 
 #include "solver/iteration.hpp"
 
@@ -11,10 +16,17 @@ public:
     explicit Nsgs(TileSweep<D>& sweep) : sweep_(sweep) {}
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
+    const std::vector<std::int32_t>& tile_sweeps() const override { return tile_sweeps_; }
 
 private:
+    bool stays_quiet(std::size_t tile, const std::vector<BodyVelocity<D>>& u, double limit_squared) const;
+    void note(std::size_t tile, const std::vector<BodyVelocity<D>>& u);
+
     TileSweep<D>& sweep_;
     int together_ = 1; ///< sweeps that pass over the sample together
+    // Empty unless adaptive:
+    std::vector<std::int32_t> tile_sweeps_;
+    std::vector<std::vector<BodyVelocity<D>>> quiet_at_; ///< velocities of a quiet tile's bodies when it became so
 };
 
 } // namespace nappe

@@ -75,6 +75,8 @@ void Simulation<D>::start_stage(int stage) {
     drive_walls();
     // Samples are prepared without cohesion, so that all strengths of it start from one.
     contacts_.set_cohesive(!preparing);
+    contacts_.set_kept(std::min(settings().geometry_every, settings().substeps));
+    contacts_.forget();
     state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
     set_margins(settings().h / settings().substeps);
     rebuild();

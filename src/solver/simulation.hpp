@@ -25,6 +25,7 @@ struct Counters {
     std::int64_t sweeps = 0;       ///< global
     std::int64_t rebuilds = 0;     ///< global
     std::int64_t redone_lists = 0; ///< global: steps redone since a grain outran its margin
+    std::int64_t redone_groups = 0; ///< global: groups of substeps redone with a geometry each
     std::int64_t redone_packs = 0; ///< global: steps redone since a contact left out came to act
     std::int64_t reductions = 0;   ///< global: sums that methods waited for
     std::int64_t unconverged = 0;  ///< global: steps that reached max_sweeps
@@ -109,10 +110,18 @@ public:
 
 private:
     // One stage of the step each, in this order (step.cpp).
+    enum class Start { warm, as_it_is }; ///< as_it_is: u has the impulses in it already
+    struct Before;
+    bool kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual); // substeps.cpp
+    void predict_kept(double h);
+    void restore(const Before& before);
     void substep(double h, int sweeps, std::uint32_t outside, bool with_residual);
+    void begin_substep(double h);
+    void agree(double h, int n, const PackFaults& faults, std::uint32_t outside);
+    void end_substep(double h);
     void predict(double h);
     PackFaults detect(double h, bool activate_all);
-    void solve(double h, int sweeps, bool with_residual);
+    void solve(double h, int sweeps, Start start, bool with_residual);
     std::uint32_t check(double h, const PackFaults& faults);
     void integrate(double h);
     void collect();
@@ -130,7 +139,7 @@ private:
     double largest_margin() const { return domain_.largest_margin(r_max_, state_.attraction); }
     double velocity_scale(double h) const;
     [[noreturn]] void fail(std::uint32_t flags, const PackFaults& faults, double h) const;
-    std::uint32_t look_for_passages(double h);
+    std::uint32_t look_for_passages(double h, int n);
     [[noreturn]] void fail_of_passage(const std::string& where) const;
     [[noreturn]] void throw_through_wall(GlobalId who, const std::string& name, const std::string& where) const;
 

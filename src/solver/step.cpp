@@ -20,42 +20,15 @@
 namespace nappe {
 
 template <int D>
-std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
-    const auto& settings = this->settings();
-    const int n = settings.substeps;
-    const int sweeps = (settings.sweeps + n - 1) / n;
-    const double h = settings.h / n;
-    for (int k = 0; k < n; ++k) {
-        substep(h, sweeps, outside, with_residual && k == n - 1);
-    }
-    ++stage_steps_;
-    ++counters_.steps;
-    return agreed_ & ~(flag::outside_first - 1);
-}
-
-template <int D>
 void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool with_residual) {
     constexpr int most_attempts = 8;
-    drive_walls();
-    if (rebuild_due_) {
-        set_margins(h);
-        rebuild();
-    }
-    find_bonds();
+    begin_substep(h);
     bool activate_all = false;
     for (int attempt = 1;; ++attempt) {
         predict(h);
         const PackFaults faults = detect(h, activate_all);
-        solve(h, sweeps, with_residual);
-        agreed_ = check(h, faults) | look_for_passages(h) | outside;
-        {
-            const auto lap = watch_.lap(Timed::check);
-            agreed_ = comm_.bit_or(agreed_);
-        }
-        constexpr std::uint32_t fatal = flag::not_finite | flag::through_wall | flag::too_fast | flag::passed;
-        if ((agreed_ & fatal) != 0) {
-            fail(agreed_, faults, h);
-        }
+        solve(h, sweeps, Start::warm, with_residual);
+        agree(h, 1, faults, outside);
         if ((agreed_ & (flag::outran_list | flag::missed_contact)) == 0) {
             break;
         }
@@ -78,13 +51,43 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
             activate_all = true;
         }
     }
+    end_substep(h);
+    rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
+    some_fast_ = (agreed_ & flag::fast) != 0;
+}
+
+/// Lists, walls and bonds as the substep needs them.
+template <int D>
+void Simulation<D>::begin_substep(double h) {
+    drive_walls();
+    if (rebuild_due_) {
+        set_margins(h);
+        rebuild();
+    }
+    find_bonds();
+}
+
+/// What all ranks find wrong with the last `n` substeps, into agreed_; throws if nothing helps.
+template <int D>
+void Simulation<D>::agree(double h, int n, const PackFaults& faults, std::uint32_t outside) {
+    agreed_ = check(h, faults) | look_for_passages(h, n) | outside;
+    {
+        const auto lap = watch_.lap(Timed::check);
+        agreed_ = comm_.bit_or(agreed_);
+    }
+    constexpr std::uint32_t fatal = flag::not_finite | flag::through_wall | flag::too_fast | flag::passed;
+    if ((agreed_ & fatal) != 0) {
+        fail(agreed_, faults, h);
+    }
+}
+
+template <int D>
+void Simulation<D>::end_substep(double h) {
     collect();
     if (energy_wanted_) {
         collect_energy(h);
     }
     integrate(h);
-    rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
-    some_fast_ = (agreed_ & flag::fast) != 0;
     ++stage_substeps_;
 }
 
@@ -140,8 +143,8 @@ PackFaults Simulation<D>::detect(double h, bool activate_all) {
 }
 
 template <int D>
-void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
-    const double scale = with_residual || settings().tolerance ? velocity_scale(h) : 0.0;
+void Simulation<D>::solve(double h, int sweeps, Start start, bool with_residual) {
+    const double scale = with_residual || settings().tolerance || settings().adaptive ? velocity_scale(h) : 0.0;
     const auto relaxing = [&] { // seconds, without what else happens between sweeps
         const auto& s = watch_.seconds();
         const auto at = [](Timed t) { return static_cast<std::size_t>(t); };
@@ -154,11 +157,13 @@ void Simulation<D>::solve(double h, int sweeps, bool with_residual) {
         if (!settings().warm_start) {
             contacts_.start_cold();
         }
-        solver_.warm_start(contacts_, domain_.halo(), state_.u);
+        if (start == Start::warm) {
+            solver_.warm_start(contacts_, domain_.halo(), state_.u);
+        }
         report = solver_.solve(contacts_, domain_.halo(), state_.u, settings(), sweeps, scale);
     }
     relaxing_ += relaxing() - before;
-    costs_.add(contacts_, report.sweeps, solver_.tile_seconds());
+    costs_.add(contacts_, report.sweeps, solver_.tile_sweeps(), solver_.tile_seconds());
     last_residual_.reset();
     if (with_residual) {
         last_residual_ = solver_.residual(contacts_, state_.u, scale);

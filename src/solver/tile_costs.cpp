@@ -22,10 +22,11 @@ void TileCosts<D>::relist(const CandidateSet<D>& candidates) {
 }
 
 template <int D>
-void TileCosts<D>::add(const ContactsOf<D>& contacts, int sweeps, const std::vector<double>& tile_seconds) {
+void TileCosts<D>::add(const ContactsOf<D>& contacts, int sweeps, const std::vector<std::int32_t>& tile_sweeps,
+                       const std::vector<double>& tile_seconds) {
     for (std::size_t t = 0; t < costs_.size(); ++t) {
         const auto n = contacts.n_active(t);
-        costs_[t].relaxations += n * sweeps;
+        costs_[t].relaxations += n * (tile_sweeps.empty() ? sweeps : tile_sweeps[t]);
         if (n > 0 && !tile_seconds.empty()) {
             const double of_one = tile_seconds[t] / static_cast<double>(n);
             costs_[t].quickest = of_one < costs_[t].quickest ? of_one : costs_[t].quickest;

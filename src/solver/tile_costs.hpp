@@ -18,7 +18,9 @@ public:
     void relist(const CandidateSet<D>& candidates);
 
     /// After a solve. @param tile_seconds one sample a tile (ContactSolver::tile_seconds), or none
-    void add(const ContactsOf<D>& contacts, int sweeps, const std::vector<double>& tile_seconds);
+    /// @param tile_sweeps how often each tile was relaxed; empty: `sweeps` times
+    void add(const ContactsOf<D>& contacts, int sweeps, const std::vector<std::int32_t>& tile_sweeps,
+             const std::vector<double>& tile_seconds);
 
     /// Relaxations of each tile.
     std::vector<TileWork> by_work() const;

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -61,12 +62,13 @@ public:
     TileSweep(const Communicator& comm, Stopwatch& watch) : comm_(comm), watch_(watch) {}
 
     /// Local. After a rebuild: which tiles come first.
-    void order_tiles(const CandidateSet<D>& candidates) {
-        order_.build(candidates);
-        grains_.clear();
-        for (const auto& tile : candidates.tiles) {
-            grains_.emplace_back(tile.grains_begin, tile.grains_end);
-        }
+    /// @param list_bodies also which bodies the contacts of each tile may move
+    void order_tiles(const CandidateSet<D>& candidates, bool list_bodies = false);
+
+    /// Local. Rows of the grains that a tile's contacts may move, ascending; listed by order_tiles if it was asked to. A
+    /// function of the frozen lists.
+    std::span<const LocalId> bodies(std::size_t tile) const {
+        return std::span(bodies_).subspan(bodies_begin_[tile], bodies_begin_[tile + 1] - bodies_begin_[tile]);
     }
 
     /// Local. How many passes over so many bytes should go together.
@@ -112,8 +114,31 @@ private:
     Stopwatch& watch_;
     TileOrder<D> order_;
     std::vector<std::pair<LocalId, LocalId>> grains_; ///< rows of each tile
+    std::vector<LocalId> bodies_; ///< of tile t: [bodies_begin_[t], bodies_begin_[t + 1])
+    std::vector<std::size_t> bodies_begin_;
     std::vector<double>* seconds_ = nullptr;
 };
+
+template <int D>
+void TileSweep<D>::order_tiles(const CandidateSet<D>& candidates, bool list_bodies) {
+    order_.build(candidates);
+    grains_.clear();
+    bodies_.clear();
+    bodies_begin_.assign(1, 0);
+    for (const auto& tile : candidates.tiles) {
+        grains_.emplace_back(tile.grains_begin, tile.grains_end);
+        if (list_bodies) {
+            const auto begin = static_cast<std::ptrdiff_t>(bodies_.size());
+            for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
+                bodies_.push_back(candidates.a[c]);
+                bodies_.push_back(candidates.b[c]);
+            }
+            std::sort(bodies_.begin() + begin, bodies_.end());
+            bodies_.erase(std::unique(bodies_.begin() + begin, bodies_.end()), bodies_.end());
+            bodies_begin_.push_back(bodies_.size());
+        }
+    }
+}
 
 template <int D>
 template <class Visit>
