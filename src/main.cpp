@@ -3,6 +3,7 @@
 #include "commands/measure.hpp"
 #include "commands/partitions.hpp"
 #include "commands/run.hpp"
+#include "commands/trade.hpp"
 #include "core/error.hpp"
 #include "io/summary.hpp"
 
@@ -30,6 +31,7 @@ struct Arguments {
     int ranks = 2;
     nappe::PartitionsOptions partitions;
     nappe::MeasureOptions measure;
+    nappe::TradeOptions trade;
 };
 
 void define_measure(CLI::App& app, nappe::MeasureOptions& options) {
@@ -62,6 +64,29 @@ void define_bench(CLI::App& app, nappe::BenchOptions& options) {
         ->check(CLI::Range(1, 100000).description(""));
     bench->add_option("--json", options.json, "write the figures to this file too")->type_name("FILE");
     bench->add_flag("--quick", options.quick, "one small size and few rounds: whether it works, not how fast it is");
+}
+
+void define_trade(CLI::App& trade, nappe::TradeOptions& options) {
+    trade.add_option("--matrix", options.matrix, "file of settings (docs/accuracy.md) [jobs/trade-default.toml]")
+        ->type_name("FILE");
+    trade.add_option("--out", options.out, "folder for runs and tables [out/NAME OF THE SCENE-trade]")
+        ->type_name("DIR");
+    trade.add_option("--samples", options.samples, "folder that keeps settled samples [samples beside DIR]")
+        ->type_name("DIR");
+    trade.add_option("--seeds", options.seeds, "run the sample's seeds 1 to N, whatever the matrix lists")
+        ->type_name("N")
+        ->check(CLI::Range(1, 10000).description(""));
+}
+
+/// Where the results of a scene go, and its samples, if the command line does not say.
+void default_folders(const std::string& scene, const char* suffix, std::filesystem::path& out,
+                     std::filesystem::path& samples) {
+    if (out.empty()) {
+        out = std::filesystem::path("out") / (std::filesystem::path(scene).stem().string() + suffix);
+    }
+    if (samples.empty()) {
+        samples = std::filesystem::absolute(out).lexically_normal().parent_path() / "samples";
+    }
 }
 
 void define(CLI::App& app, Arguments& arguments) {
@@ -104,6 +129,10 @@ void define(CLI::App& app, Arguments& arguments) {
     cut->add_option("--samples", partitions.samples, "take the settled sample from here [the deposit]")
         ->type_name("DIR");
     cut->add_option("--json", partitions.json, "write the counts of every part and every message")->type_name("FILE");
+    auto* trade = app.add_subcommand("trade", "run a scene with a matrix of solver settings; what each costs, and how "
+                                              "far it is from a tight reference");
+    scene_of(trade);
+    define_trade(*trade, arguments.trade);
     define_measure(app, arguments.measure);
     define_bench(app, arguments.bench);
 }
@@ -135,13 +164,15 @@ int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& a
         nappe::partitions(world, options);
         return static_cast<int>(ExitCode::done);
     }
+    if (app.got_subcommand("trade")) {
+        auto& options = arguments.trade;
+        options.scene = arguments.run.scene;
+        options.overrides = arguments.run.overrides;
+        default_folders(options.scene, "-trade", options.out, options.samples);
+        return static_cast<int>(nappe::trade(world, options));
+    }
     auto& options = arguments.run;
-    if (options.out.empty()) {
-        options.out = std::filesystem::path("out") / std::filesystem::path(options.scene).stem();
-    }
-    if (options.samples.empty()) {
-        options.samples = std::filesystem::absolute(options.out).lexically_normal().parent_path() / "samples";
-    }
+    default_folders(options.scene, "", options.out, options.samples);
     return static_cast<int>(nappe::run(world, options));
 }
 

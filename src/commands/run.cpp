@@ -23,7 +23,8 @@ void remember_signal(int number) {
     signal_caught = number;
 }
 
-/// Stops asked for from outside end the run after the step in hand, on all ranks at the same one.
+} // namespace
+
 void catch_signals() {
     struct sigaction action {};
     action.sa_handler = remember_signal;
@@ -34,19 +35,25 @@ void catch_signals() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
-Scene<2> shared_scene(const Communicator& comm, const RunOptions& options) {
+bool stop_asked(const Communicator& comm) {
+    return comm.bit_or(signal_caught != 0 ? 1U : 0U) != 0;
+}
+
+std::string shared_text(const Communicator& comm, const std::string& path, std::string (*read)(const std::string&)) {
     std::string text, error;
     if (comm.is_root()) {
         try {
-            text = read_scene_text(options.scene);
+            text = read(path);
         } catch (const InputError& e) {
             error = e.what();
         }
     }
     comm.throw_together<InputError>(error);
     comm.broadcast(text);
-    return parse_scene(text, options.scene, options.overrides); // every rank finds the same errors
+    return text;
 }
+
+namespace {
 
 struct Course {
     std::int64_t steps = 0;
@@ -121,12 +128,17 @@ nlohmann::ordered_json stage_seconds(Simulation<2>& simulation, double& sweeping
 } // namespace
 
 ExitCode run(const Communicator& comm, const RunOptions& options) {
+    const auto text = shared_text(comm, options.scene, read_scene_text);
+    const auto scene = parse_scene(text, options.scene, options.overrides); // every rank finds the same errors
+    Progress progress(Progress::for_rank(comm.is_root()));
+    return run_scene(comm, scene, options, progress);
+}
+
+ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOptions& options, Progress& progress) {
     const auto start = std::chrono::steady_clock::now();
-    const auto scene = shared_scene(comm, options);
     const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
     catch_signals();
     Recorder::claim(comm, options.out, options.samples);
-    Progress progress(Progress::for_rank(comm.is_root()));
     Simulation<2> simulation(comm, scene, kernels);
     const auto features = features_of(scene);
     progress.info(
@@ -165,6 +177,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     json["scene"] = scene.text;
     json["ranks"] = comm.size();
     json["grains"] = simulation.domain().n_grains();
+    json["mass"] = simulation.total_mass();
     json["contacts"] = recorder.last_overlaps().contacts;
     json["candidates"] = recorder.last_overlaps().candidates;
     json["steps"] = course.steps;

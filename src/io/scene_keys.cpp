@@ -36,10 +36,21 @@ const std::vector<TableKeys>& all_keys() {
     return keys;
 }
 
+const std::vector<TableKeys>& matrix_keys() {
+    static const std::vector<TableKeys> keys = {
+        {"matrix", {"seeds", "window", "duration", "frames", "reference", "settings"}},
+        {"[reference]", {"solver", "set"}},
+        {"[[settings]]", {"name", "solver", "set"}},
+    };
+    return keys;
+}
+
 const TableKeys& keys_of(std::string_view table) {
-    for (const auto& entry : all_keys()) {
-        if (entry.table == table) {
-            return entry;
+    for (const auto* keys : {&all_keys(), &matrix_keys()}) {
+        for (const auto& entry : *keys) {
+            if (entry.table == table) {
+                return entry;
+            }
         }
     }
     throw std::logic_error("no such table in scene_keys.cpp: " + std::string(table));

@@ -17,7 +17,10 @@ struct TableKeys {
 /// All tables, in the order of docs/scene.md. Local.
 const std::vector<TableKeys>& all_keys();
 
-/// The table of that name, which must exist. Local.
+/// All tables of a matrix of settings (io/trade_matrix.hpp), in the order of docs/accuracy.md. Local.
+const std::vector<TableKeys>& matrix_keys();
+
+/// The table of that name, of a scene or of a matrix, which must exist. Local.
 const TableKeys& keys_of(std::string_view table);
 
 /// The candidate that `word` is most likely a misspelling of, if any is close. Local.

@@ -72,8 +72,8 @@ toml::table parse_value(const std::string& key, std::string_view value, const st
 
 } // namespace
 
-void apply_override(toml::table& root, const std::string& text) {
-    const std::string place = "--set " + one_line(text);
+void apply_override(toml::table& root, const std::string& text, const std::string& said_at) {
+    const std::string place = said_at.empty() ? "--set " + one_line(text) : said_at;
     const auto equals = text.find('=');
     const auto key = trimmed(std::string_view(text).substr(0, equals));
     const auto segments = split_path(key);

@@ -20,14 +20,7 @@ namespace nappe {
 
 namespace {
 
-toml::table parse_toml(std::string_view text, std::string_view file_name) {
-    try {
-        return toml::parse(text, file_name);
-    } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}:{}: must be valid TOML: {} (column {}); see https://toml.io", file_name,
-                                     error.source().begin.line, error.description(), error.source().begin.column));
-    }
-}
+using scene_file::parse_toml;
 
 std::string formatted(const toml::table& root) {
     std::ostringstream stream;
@@ -37,31 +30,37 @@ std::string formatted(const toml::table& root) {
 
 } // namespace
 
-std::string read_scene_text(const std::string& path) {
+std::string read_input_text(const std::string& path, std::string_view kind, std::string_view help) {
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) {
-        throw InputError(fmt::format("{}: must be a scene file, found a directory; name the .toml file in it", path));
+        throw InputError(
+            fmt::format("{}: must be a {} file, found a directory; name the .toml file in it", path, kind));
     }
     errno = 0;
     std::ifstream file(path, std::ios::binary);
     if (!file) {
         throw InputError(
-            fmt::format("{}: must be a readable scene file, found: {}; check the path", path, std::strerror(errno)));
+            fmt::format("{}: must be a readable {} file, found: {}; check the path", path, kind, std::strerror(errno)));
     }
     std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     if (file.bad()) {
-        throw InputError(fmt::format("{}: must be a readable scene file, found an error while reading", path));
+        throw InputError(fmt::format("{}: must be a readable {} file, found an error while reading", path, kind));
     }
     if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
-        throw InputError(fmt::format("{}: must hold a scene, found an empty file; docs/scene.md has an example", path));
+        throw InputError(fmt::format("{}: must hold a {}, found an empty file; {}", path, kind, help));
     }
     return text;
 }
 
-Scene<2> parse_scene(std::string_view text, std::string_view file_name, const std::vector<std::string>& overrides) {
+std::string read_scene_text(const std::string& path) {
+    return read_input_text(path, "scene", "docs/scene.md has an example");
+}
+
+Scene<2> parse_scene_with(std::string_view text, std::string_view file_name,
+                          const std::vector<SceneOverride>& overrides) {
     toml::table root = parse_toml(text, file_name);
     for (const auto& override_text : overrides) {
-        scene_file::apply_override(root, override_text);
+        scene_file::apply_override(root, override_text.text, override_text.place);
     }
     scene_file::Problems problems(root, file_name);
     Scene<2> scene = scene_file::read_sections(root, problems);
@@ -71,6 +70,14 @@ Scene<2> parse_scene(std::string_view text, std::string_view file_name, const st
     problems.throw_if_any();
     scene.text = formatted(root);
     return scene;
+}
+
+Scene<2> parse_scene(std::string_view text, std::string_view file_name, const std::vector<std::string>& overrides) {
+    std::vector<SceneOverride> placed;
+    for (const auto& override_text : overrides) {
+        placed.push_back({override_text, ""});
+    }
+    return parse_scene_with(text, file_name, placed);
 }
 
 Scene<2> read_scene(const std::string& path, const std::vector<std::string>& overrides) {

@@ -43,6 +43,15 @@ std::string message(std::string_view rule, std::string_view found, std::string_v
 
 } // namespace
 
+toml::table parse_toml(std::string_view text, std::string_view file_name) {
+    try {
+        return toml::parse(text, file_name);
+    } catch (const toml::parse_error& error) {
+        throw InputError(fmt::format("{}:{}: must be valid TOML: {} (column {}); see https://toml.io", file_name,
+                                     error.source().begin.line, error.description(), error.source().begin.column));
+    }
+}
+
 void Problems::add(const std::string& path, const std::string& text) {
     const toml::node* node = &root_;
     for (const auto& segment : split_path(path)) {
@@ -94,7 +103,8 @@ TableReader::TableReader(const toml::table& table, std::string path, std::string
             const auto meant = nearest(name, known);
             problems_->add_at(node, join_path(path_, name),
                               fmt::format("unknown key; must be one of those of {} ({}), found \"{}\"; {}",
-                                          known_as == "top level" ? "the top level" : known_as, listed(known), name,
+                                          known_as == "top level" || known_as == "matrix" ? "the top level" : known_as,
+                                          listed(known), name,
                                           meant ? fmt::format("did you mean {}?", *meant) : "remove it"));
         }
     }

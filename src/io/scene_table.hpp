@@ -16,6 +16,9 @@
 
 namespace nappe::scene_file {
 
+/// The file's tree. Local. Throws InputError, with the line, if it is not TOML.
+toml::table parse_toml(std::string_view text, std::string_view file_name);
+
 /// What is wrong with a scene: place, key, rule, value found, remedy. Every member is Local.
 class Problems {
 public:
