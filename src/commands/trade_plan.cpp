@@ -89,6 +89,25 @@ void add_output(const TradeSetting& setting, const TradeMatrix& matrix, const Sc
     }
 }
 
+/// All that must be the same for two settings to be compared: what the sample is made of, and what happens to it.
+std::string course_of(const Scene<2>& scene) {
+    auto text = sample_origin(scene).made_from;
+    for (const auto& stage : scene.stages) {
+        text += fmt::format("stage {} {}\n", stage.name, stage.duration);
+    }
+    for (const auto& wall : scene.walls) {
+        if (wall.motion) {
+            const auto& m = *wall.motion;
+            text += fmt::format("motion {} [{}, {}] {} {} {}\n", wall.name, m.velocity[0], m.velocity[1], m.stage,
+                                m.start, m.stop.value_or(-1));
+        }
+    }
+    for (const auto& law : scene.laws) {
+        text += fmt::format("cohesion {} {}\n", law.gamma, law.d_w);
+    }
+    return text;
+}
+
 /// The places already name what is wrong; only where they do not (a rule across keys), the setting is named.
 std::string with_place(const std::string& problem, const TradeSetting& setting) {
     return problem.find(setting.place.substr(setting.place.rfind(' ') + 1)) != std::string::npos
@@ -157,17 +176,19 @@ TradePlan plan_trade(std::string_view text, const std::string& file_name, const 
         plan.names.push_back(setting->name);
     }
     for (std::size_t s = 0; s < plan.seeds.size(); ++s) {
-        std::string problems, origin;
+        std::string problems, course;
         for (std::size_t k = 0; k < settings.size(); ++k) {
             const auto path = folder / "runs" / plan.names[k] / fmt::format("seed-{}", plan.seeds[s]);
             try {
                 auto scene = scene_of(text, file_name, overrides, matrix, *settings[k], plain, plan.seeds[s]);
-                const auto made_from = sample_origin(scene).made_from;
-                origin = k == 0 ? made_from : origin;
-                if (!origin.empty() && made_from != origin) {
-                    throw InputError(fmt::format("{}: set: must leave grains, walls, laws, tiles and preparing stages "
-                                                 "alone, found a change of them; settings are compared from one sample",
-                                                 settings[k]->place));
+                const auto own = course_of(scene);
+                course = k == 0 ? own : course;
+                if (!course.empty() && own != course) {
+                    throw InputError(
+                        fmt::format("{}: set: must leave grains, walls, laws, tiles, durations and preparing "
+                                    "stages alone, found a change of them; settings are compared on one "
+                                    "scene, from one sample",
+                                    settings[k]->place));
                 }
                 const auto steps = steps_of(scene, matrix.duration);
                 plan.runs.push_back({k, s, std::move(scene), steps, path});

@@ -69,6 +69,7 @@ Json comparison_json(const TradeRow::Compared& one) {
             {"difference", c.difference},
             {"standard_error", c.standard_error},
             {"scatter", c.scatter},
+            {"resolution", one.observable.resolution},
             {"over_scatter", c.over_scatter},
             {"verdict", verdict_text(c.verdict)}};
 }
@@ -139,13 +140,13 @@ std::string trade_csv(const std::vector<TradeRow>& rows, std::size_t n_seeds) {
 }
 
 std::string observables_csv(const std::vector<TradeRow>& rows) {
-    std::string text =
-        "setting,observable,unit,seeds,mean,reference,difference,standard_error,scatter,over_scatter,verdict\n";
+    std::string text = "setting,observable,unit,seeds,mean,reference,difference,standard_error,scatter,resolution,over_"
+                       "scatter,verdict\n";
     for (const auto& row : rows) {
         for (const auto& [observable, c] : row.observables) {
-            text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", row.name, observable.name, observable.unit, c.n,
-                                c.mean, c.reference, c.difference, c.standard_error, c.scatter, c.over_scatter,
-                                verdict_text(c.verdict));
+            text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", row.name, observable.name, observable.unit,
+                                c.n, c.mean, c.reference, c.difference, c.standard_error, c.scatter,
+                                observable.resolution, c.over_scatter, verdict_text(c.verdict));
         }
     }
     return text;

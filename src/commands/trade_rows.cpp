@@ -57,12 +57,12 @@ TradeRow row_of(const TradePlan& plan, const Results& results, std::size_t setti
     auto observables = observables_of(results);
     std::vector<double> errors, noises;
     for (std::size_t k = 0; k < observables.size(); ++k) {
-        const auto comparison =
-            compare(values_of(results, setting, k, plan.seeds.size()), values_of(results, 0, k, plan.seeds.size()));
+        const auto comparison = compare(values_of(results, setting, k, plan.seeds.size()),
+                                        values_of(results, 0, k, plan.seeds.size()), observables[k].resolution);
         observables[k].value = comparison.mean;
         row.observables.push_back({observables[k], comparison});
         errors.push_back(comparison.over_scatter);
-        noises.push_back(comparison.standard_error / comparison.scatter); // 0/0 and x/0 are left out of the mean
+        noises.push_back(comparison.error_over_scatter);
     }
     row.observable_error = root_mean_square(errors);
     row.observable_noise = root_mean_square(noises);

@@ -40,7 +40,7 @@ std::string_view verdict_text(Verdict verdict) {
     return texts[static_cast<std::size_t>(verdict)];
 }
 
-Comparison compare(std::span<const double> setting, std::span<const double> reference) {
+Comparison compare(std::span<const double> setting, std::span<const double> reference, double resolution) {
     NAPPE_ASSERT(setting.size() == reference.size(), std::to_string(setting.size()));
     std::vector<double> ours, theirs, differences;
     for (std::size_t s = 0; s < setting.size(); ++s) {
@@ -50,7 +50,7 @@ Comparison compare(std::span<const double> setting, std::span<const double> refe
             differences.push_back(setting[s] - reference[s]);
         }
     }
-    Comparison c{ours.size(), nothing, nothing, nothing, nothing, nothing, nothing, Verdict::absent};
+    Comparison c{ours.size(), nothing, nothing, nothing, nothing, nothing, nothing, nothing, Verdict::absent};
     if (c.n == 0) {
         return c;
     }
@@ -63,7 +63,10 @@ Comparison compare(std::span<const double> setting, std::span<const double> refe
     }
     c.standard_error = deviation_of(differences) / std::sqrt(static_cast<double>(c.n));
     c.scatter = deviation_of(theirs);
-    c.over_scatter = c.difference == 0 ? 0.0 : c.scatter > 0 ? c.difference / c.scatter : nothing;
+    const double unit = std::max(c.scatter, resolution);
+    const auto in_units = [&](double value) { return value == 0 ? 0.0 : unit > 0 ? value / unit : nothing; };
+    c.over_scatter = in_units(c.difference);
+    c.error_over_scatter = in_units(c.standard_error);
     c.verdict =
         std::abs(c.difference) > student_quantile(c.n - 1) * c.standard_error ? Verdict::differs : Verdict::within;
     return c;

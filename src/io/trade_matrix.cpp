@@ -65,8 +65,12 @@ TradeSetting read_setting(const TableReader& table, const std::string& name, con
     read_keys(table, "solver", file, table.path(), "write solver = { sweeps = 30 }", setting.solver);
     read_keys(table, "set", file, table.path(), "write set = { \"tiles.skin\" = 0.3 }", setting.set);
     for (const auto& key : setting.set) {
+        const bool how_often = key.key.starts_with("output.frames.") || key.key.starts_with("output.series.");
         if (key.key == "sample.seed") {
-            table.problem("set", "must leave the seed of the sample alone", "list seeds at the top of the matrix");
+            table.problem("set", "must leave the sample's seed alone", "list seeds at the top of the matrix");
+        } else if (key.key.starts_with("output") && !how_often) {
+            table.problem("set", "must leave output alone but for output.frames and output.series",
+                          "what is measured must be the same for all settings; change the scene, or use --set");
         }
     }
     return setting;
