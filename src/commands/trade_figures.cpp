@@ -153,6 +153,8 @@ void read_solver(const std::filesystem::path& folder, const nlohmann::json& summ
     const auto table = read_series(folder / "series" / "solver.csv");
     f.residual = number(summary, "residual");
     f.residual_largest = largest_of(after_start(table, "residual"));
+    f.overlap_mean_start = table.n_rows() > 0 ? table["overlap_mean"].front() : nothing;
+    f.overlap_max_start = table.n_rows() > 0 ? table["overlap_max"].front() : nothing;
     f.overlap_mean = number(summary, "overlap_mean");
     f.overlap_max = number(summary, "overlap_max");
     f.overlap_mean_of_rows = mean_of(after_start(table, "overlap_mean"));

@@ -19,6 +19,7 @@ struct TradeFigures {
     double seconds_sweeping = 0; ///< of them, sweeps with their messages
     double ns_per_relaxation = 0, messages = 0, message_bytes = 0;
     double residual = 0, residual_largest = 0;             ///< at the end; of all rows
+    double overlap_mean_start = 0, overlap_max_start = 0;  ///< of the sample: no setting pushes out what is there
     double overlap_mean = 0, overlap_mean_of_rows = 0;     ///< at the end; mean of all rows
     double overlap_max = 0, overlap_max_of_rows = 0;       ///< at the end; largest of all rows
     double weight_on_walls = 0, weight_on_walls_least = 0; ///< mean of the window; least of all rows
@@ -48,6 +49,8 @@ inline constexpr std::array trade_columns = {
     TradeColumn{"message_bytes", &TradeFigures::message_bytes, OverSeeds::mean},
     TradeColumn{"residual", &TradeFigures::residual, OverSeeds::mean},
     TradeColumn{"residual_largest", &TradeFigures::residual_largest, OverSeeds::largest},
+    TradeColumn{"overlap_mean_start", &TradeFigures::overlap_mean_start, OverSeeds::mean},
+    TradeColumn{"overlap_max_start", &TradeFigures::overlap_max_start, OverSeeds::largest},
     TradeColumn{"overlap_mean", &TradeFigures::overlap_mean, OverSeeds::mean},
     TradeColumn{"overlap_mean_of_rows", &TradeFigures::overlap_mean_of_rows, OverSeeds::mean},
     TradeColumn{"overlap_max", &TradeFigures::overlap_max, OverSeeds::mean},

@@ -154,7 +154,7 @@ std::string observables_csv(const std::vector<TradeRow>& rows) {
 
 std::string trade_text(const std::vector<TradeRow>& rows, std::size_t n_seeds) {
     std::vector<std::vector<std::string>> lines{{"setting", "relaxations", "seconds", "messages", "residual",
-                                                 "overlap mean", "largest", "on walls", "energy", "differ",
+                                                 "overlap mean", "largest", "on walls", "least", "energy", "differ",
                                                  "observables", "noise", "front relax.", "front seconds", "smooth"}};
     std::string failures;
     for (const auto& row : rows) {
@@ -167,9 +167,9 @@ std::string trade_text(const std::vector<TradeRow>& rows, std::size_t n_seeds) {
         });
         lines.push_back({row.name, short_number(f.relaxations), short_number(f.seconds_steps), short_number(f.messages),
                          short_number(f.residual), short_number(f.overlap_mean), short_number(f.overlap_max_of_rows),
-                         short_number(f.weight_on_walls), short_number(f.energy_closure),
-                         known > 0 ? fmt::format("{}/{}", differing, known) : "-", short_number(row.observable_error),
-                         short_number(row.observable_noise),
+                         short_number(f.weight_on_walls), short_number(f.weight_on_walls_least),
+                         short_number(f.energy_closure), known > 0 ? fmt::format("{}/{}", differing, known) : "-",
+                         short_number(row.observable_error), short_number(row.observable_noise),
                          front_text(row.fronts.relaxations_overlap, row.fronts.relaxations_observables),
                          front_text(row.fronts.seconds_overlap, row.fronts.seconds_observables), open_column});
         if (const auto status = trade_status(row, n_seeds); status != "done") {
@@ -177,12 +177,12 @@ std::string trade_text(const std::vector<TradeRow>& rows, std::size_t n_seeds) {
         }
     }
     std::string text = aligned(lines);
-    text +=
-        "seconds: of the steps, without measuring and writing. overlap: over radius, mean at the end, largest of "
-        "all rows. on walls: share of the\nweight, late. differ: observables that differ from the reference by more "
-        "than chance. observables: root mean square of the differences\nover the scatter of the reference between "
-        "seeds; noise: what chance leaves of it. front: on the Pareto front of cost against mean overlap\nand "
-        "against observables. docs/accuracy.md defines all.\n";
+    text += "seconds: of the steps, without measuring and writing. overlap: over radius, mean at the end, largest of "
+            "all rows. on walls: share of the\nweight, late, and the least of all rows. differ: observables that "
+            "differ from the reference by more "
+            "than chance. observables: root mean square of the differences\nover the scatter of the reference between "
+            "seeds; noise: what chance leaves of it. front: on the Pareto front of cost against mean overlap\nand "
+            "against observables. docs/accuracy.md defines all.\n";
     if (n_seeds < 2) {
         text += "One seed: no scatter is known, and no observable can be judged. --seeds 8 runs the seeds 1 to 8.\n";
     }

@@ -35,7 +35,7 @@ struct Comparison {
 /// @param resolution least scatter that can be told: what is rounded to bins may not scatter at all
 Comparison compare(std::span<const double> setting, std::span<const double> reference, double resolution = 0);
 
-/// 97.5 % quantile of Student's distribution, to 1 %: |mean| beyond this many standard errors is chance one time in
+/// 97.5 % quantile of Student's distribution, to 0.1 %: |mean| beyond this many standard errors is chance one time in
 /// twenty. (A plain 2 would call one agreement in twelve a difference with 8 seeds, three in ten with 2.)
 /// @param degrees of freedom, >= 1
 double student_quantile(std::size_t degrees);

@@ -20,6 +20,9 @@ constexpr auto reference_name = "reference";
 
 /// A value as --set takes it, on one line.
 std::string value_text(const toml::node& node) {
+    if (node.is_number()) {
+        return shown(node); // in the fewest digits
+    }
     auto flags = toml::toml_formatter::default_flags;
     flags &= ~toml::format_flags::allow_multi_line_strings;
     flags &= ~toml::format_flags::indentation;
