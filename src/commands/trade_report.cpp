@@ -3,6 +3,7 @@
 #include "io/summary.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -186,6 +187,12 @@ std::string trade_text(const std::vector<TradeRow>& rows, std::size_t n_seeds) {
     if (n_seeds < 2) {
         text += "One seed: no scatter is known, and no observable can be judged. --seeds 8 runs the seeds 1 to 8.\n";
     }
+    if (const auto tight = as_tight_as_reference(rows); !tight.empty()) {
+        text +=
+            fmt::format("The reference is no tighter than {} (largest residual and mean overlap): give it more work, "
+                        "or its own error counts as theirs.\n",
+                        fmt::join(tight, ", "));
+    }
     return text + failures;
 }
 
@@ -197,6 +204,7 @@ Json trade_json(const TradePlan& plan, const TradeMatrix& matrix, const std::vec
               {"matrix", matrix.text},
               {"window", matrix.window},
               {"seeds", plan.seeds}};
+    json["as_tight_as_reference"] = as_tight_as_reference(rows);
     json["settings"] = Json::array();
     for (const auto& row : rows) {
         json["settings"].push_back(row_json(row, plan.seeds.size()));

@@ -46,6 +46,10 @@ struct TradeRow {
 /// seed, or lacks runs that others have, is on no front.
 std::vector<TradeRow> trade_rows(const TradePlan& plan, const std::vector<TradeResult>& results);
 
+/// Settings whose largest residual and mean overlap are no larger than the reference's: what differs from it may be its
+/// error.
+std::vector<std::string> as_tight_as_reference(const std::vector<TradeRow>& rows);
+
 /// "done", "failed (1 of 8): why", "3 of 8 seeds".
 std::string trade_status(const TradeRow& row, std::size_t n_seeds);
 

@@ -97,4 +97,16 @@ std::vector<TradeRow> trade_rows(const TradePlan& plan, const Results& results) 
     return rows;
 }
 
+std::vector<std::string> as_tight_as_reference(const std::vector<TradeRow>& rows) {
+    std::vector<std::string> names;
+    const auto& reference = rows.front().figures;
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+        const auto& f = rows[k].figures;
+        if (f.residual_largest <= reference.residual_largest && f.overlap_mean <= reference.overlap_mean) {
+            names.push_back(rows[k].name);
+        }
+    }
+    return names;
+}
+
 } // namespace nappe

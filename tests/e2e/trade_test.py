@@ -5,10 +5,16 @@ import json
 import pathlib
 import shutil
 import signal
+import subprocess
 import sys
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+import numpy as np
+from matplotlib.image import imread
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests/support"), str(ROOT / "tools")]
+from nappe_plot import palette, trade  # noqa: E402
 from nappe_driver import SCENES, NappeTest, call, finish, main, sets, start  # noqa: E402
 
 FOLD = SCENES / "small_fold.toml"
@@ -32,6 +38,11 @@ OF_THE_MACHINE = {
 }  # fmt: skip
 
 
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
 class Trade(NappeTest):
     def arguments(self, *more, matrix=MATRIX, out="trade"):
         file = self.folder / "matrix.toml"
@@ -45,8 +56,7 @@ class Trade(NappeTest):
         return result
 
     def table(self, out="trade", name="trade"):
-        with open(self.folder / out / f"{name}.csv", newline="") as file:
-            return list(csv.DictReader(file))
+        return rows_of(self.folder / out / f"{name}.csv")
 
     def summaries(self, out="trade"):
         paths = sorted((self.folder / out / "runs").glob("*/seed-*/summary.json"))
@@ -80,12 +90,12 @@ class Trade(NappeTest):
             p, carried = [], []
             for seed, run in zip((3, 4), runs):
                 series = self.folder / "trade/runs" / row["setting"] / f"seed-{seed}" / "series"
-                rows = list(csv.DictReader(open(series / "solver.csv")))
+                rows = rows_of(series / "solver.csv")
                 largest += [float(r["overlap_max"]) for r in rows[1:]]  # the first is of the sample
-                rows = list(csv.DictReader(open(series / "cell-W1.csv")))
+                rows = rows_of(series / "cell-W1.csv")
                 self.assertEqual([float(r["time"]) for r in rows], [0.25 * k for k in range(7)])
                 p.append(sum(float(r["p"]) for r in rows[4:]) / 3)
-                walls = [list(csv.DictReader(open(series / f"wall-{w}.csv"))) for w in ("floor", "piston", "right")]
+                walls = [rows_of(series / f"wall-{w}.csv") for w in ("floor", "piston", "right")]
                 down = [-sum(float(w[k]["fy"]) for w in walls) for k in range(4, 7)]
                 carried.append(sum(down) / 3 / (run["mass"] * 9.81))
             self.assertEqual(float(row["overlap_max_of_rows"]), max(largest))
@@ -97,10 +107,8 @@ class Trade(NappeTest):
     def test_figures_are_those_of_the_runs(self):
         self.trade()
         self.check_against_the_runs()
-        starts = set()
-        for path in self.summaries().values():
-            with open(path.parent / "series/solver.csv") as file:
-                starts.add((path.parent.name, next(csv.DictReader(file))["overlap_mean"]))
+        folders = [path.parent for path in self.summaries().values()]
+        starts = {(folder.name, rows_of(folder / "series/solver.csv")[0]["overlap_mean"]) for folder in folders}
         self.assertEqual(len(starts), 2, "settings of a seed do not start from one sample")
         reference = [r for r in self.table(name="observables") if r["setting"] == "reference"]
         self.assertEqual({r["difference"] for r in reference}, {"0"})
@@ -197,6 +205,31 @@ class Trade(NappeTest):
 
         self.assertEqual(list(self.table()[0]), ["setting", "seeds", *documented("What is measured")])
         self.assertEqual(list(self.table(name="observables")[0]), ["setting", *documented("Observables")])
+
+    def test_pictures_show_settings_and_their_front(self):
+        self.trade()
+        pictures = self.folder / "trade/pictures"
+        plot = [ROOT / "tools/plot", self.folder / "trade"]
+        drawn = subprocess.run(plot, stdout=subprocess.PIPE, text=True, check=True)
+        names = [f"trade-{cost}.png" for cost in ("relaxations", "seconds")]
+        self.assertEqual(drawn.stdout.split(), [str((pictures / name).resolve()) for name in names])
+        for name in names:
+            picture = imread(pictures / name)[..., :3]
+            for colour in (trade.REFERENCE, trade.FRONT):
+                near = abs(picture - np.array(palette.rgb(colour))).max(axis=-1) < 0.05
+                self.assertGreater(near.sum(), 500, f"{name} shows nothing in {colour}")
+        # The front of a panel is the one that the table marks.
+        rows = trade.read(self.folder / "trade")["settings"]
+        for cost, key in (("relaxations", "relaxations"), ("seconds", "seconds_steps")):
+            on_front = {k + 1 for k in trade.front([r[key] for r in rows[1:]], [r["overlap_mean"] for r in rows[1:]])}
+            self.assertEqual(on_front, {k for k, row in enumerate(rows) if row["front"][f"{cost}_overlap"]})
+        self.assertEqual(trade.front([1, 2, 3, 2, np.nan], [5, 5, 1, 4, 0]), [0, 3, 2])
+
+    def test_a_folder_that_is_no_table_is_refused(self):
+        (self.folder / "trade.json").write_text('{"settings": 3}')
+        result = subprocess.run([ROOT / "tools/plot", self.folder], stderr=subprocess.PIPE, text=True)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("trade.json is not a table of nappe trade", result.stderr)
 
 
 if __name__ == "__main__":

@@ -143,6 +143,16 @@ TEST_F(TradeTable, MarksTheFrontAmongSettings) {
     EXPECT_EQ(rows[1].observables[0].comparison.verdict, Verdict::differs); // by the same in both pairs
 }
 
+TEST_F(TradeTable, ASettingAsTightAsTheReferenceIsNamed) {
+    EXPECT_TRUE(as_tight_as_reference(trade_rows(plan_, results_)).empty());
+    EXPECT_EQ(trade_text(trade_rows(plan_, results_), 2).find("no tighter than"), std::string::npos);
+    for (auto& result : results_) {
+        result.figures->figures.overlap_mean = result.setting == 2 ? 1e-7 : result.figures->figures.overlap_mean;
+    }
+    EXPECT_EQ(as_tight_as_reference(trade_rows(plan_, results_)), std::vector<std::string>{"good"});
+    EXPECT_NE(trade_text(trade_rows(plan_, results_), 2).find("no tighter than good"), std::string::npos);
+}
+
 TEST_F(TradeTable, FailedSettingsSayWhyAndStandOnNoFront) {
     results_.back().figures.reset();
     results_.back().failure = "grain 7 outran its tile, at \"once\"";

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import budget, cells, chains, compared, curves, flow, layers, profile, solver, style, views
+from . import budget, cells, chains, compared, curves, flow, layers, profile, solver, style, trade, views
 from .run import BadRun, Run
 
 
@@ -29,6 +29,8 @@ PICTURES = {
     "strain": (_views(flow.draw_strain), "fields in measures/ (nappe measure) after the start"),
     "budget": (_views(budget.draw), "energy budget (output.measures.energy)"),
 }
+# Of the folder of a matrix of settings (nappe trade).
+TRADE = {"trade": (trade.draw, "settings")}
 # The same of several runs, side by side.
 COMPARED = {
     "profile": (profile.draw, "fault (output.zone and a wall that moves)"),
@@ -52,16 +54,16 @@ def times(text):
 
 def names(text):
     chosen = text.split(",")
-    unknown = [name for name in chosen if name not in PICTURES and name not in COMPARED]
+    unknown = [name for name in chosen if name not in PICTURES | COMPARED | TRADE]
     if unknown:
-        known = ", ".join(PICTURES | COMPARED)
+        known = ", ".join(PICTURES | COMPARED | TRADE)
         raise argparse.ArgumentTypeError(f'no picture "{unknown[0]}"; there are {known}')
     return chosen
 
 
 def parse():
     parser = argparse.ArgumentParser(prog="tools/plot", description="Draws the pictures of a run, or of several runs.")
-    parser.add_argument("dirs", metavar="DIR", nargs="+", type=Path, help="what nappe run --out wrote")
+    parser.add_argument("dirs", metavar="DIR", nargs="+", type=Path, help="what nappe run --out wrote, or nappe trade")
     parser.add_argument("--compare", action="store_true", help="the runs in each picture, at their last frames")
     parser.add_argument("--labels", type=lambda text: text.split(","), help="of the runs compared (gamma, or folders)")
     parser.add_argument("--times", type=times, help="of the frames to draw [s]: 0,200,350,500; the nearest are taken")
@@ -80,18 +82,26 @@ def parse():
 
 def pictures_of(arguments):
     """Pairs: name and what is needed, and the paths as they are drawn."""
+    if trade.is_trade(arguments.dirs[0]) and not arguments.compare:
+        folder = arguments.dirs[0].resolve()
+        yield from _drawn(arguments, TRADE, (folder, arguments.out or folder / "pictures"), "nappe trade")
+        return
     runs = [Run(folder) for folder in arguments.dirs]
     if arguments.compare:
         labels = arguments.labels or views.default_labels(runs)
         seen = views.of_several(runs, labels, arguments.times and arguments.times[0])
         out = arguments.out or runs[0].folder.parent / "pictures"
-        known, inputs = COMPARED, (seen, out)
+        yield from _drawn(arguments, COMPARED, (seen, out), "several runs")
     else:
         run = runs[0]
-        known, inputs = PICTURES, (run, run.choose(arguments.times), arguments.out or run.folder / "pictures")
+        inputs = (run, run.choose(arguments.times), arguments.out or run.folder / "pictures")
+        yield from _drawn(arguments, PICTURES, inputs, "one run")
+
+
+def _drawn(arguments, known, inputs, of_what):
     for name in arguments.only or known:
         if name not in known:
-            raise BadRun(f"no picture {name} of {'several runs' if arguments.compare else 'one run'}")
+            raise BadRun(f"no picture {name} of {of_what}")
         draw, needs = known[name]
         yield name, needs, draw(*inputs)
 
