@@ -1,6 +1,7 @@
 // Runs to rows: seeds put together, compared with the reference, fronts marked.
 #include "commands/trade_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -76,10 +77,14 @@ std::vector<TradeRow> trade_rows(const TradePlan& plan, const Results& results) 
     for (std::size_t k = 0; k < plan.names.size(); ++k) {
         rows.push_back(row_of(plan, results, k));
     }
+    std::size_t most = 0; // what a seed costs differs from seed to seed: only settings with equal runs are compared
+    for (const auto& row : rows) {
+        most = std::max(most, row.n_runs);
+    }
     const auto mark = [&](double TradeFigures::*cost, auto&& error, bool TradeFronts::*front) {
         std::vector<TradePoint> points;
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            const bool judged = k > 0 && rows[k].n_runs == rows[0].n_runs && rows[k].n_failed == 0;
+            const bool judged = k > 0 && rows[k].n_runs == most && rows[k].n_failed == 0;
             points.push_back(
                 {judged ? rows[k].figures.*cost : std::numeric_limits<double>::quiet_NaN(), error(rows[k])});
         }

@@ -22,7 +22,7 @@ class CommandLine(NappeTest):
         result = call(["--help"])
         self.assertEqual(result.code, DONE)
         codes = ("0 done", "1 anything else", "2 bad input", "3 stopped early", "4 numerical failure")
-        for word in ("run", "check", "measure", *codes):
+        for word in ("run", "check", "trade", "measure", *codes):
             self.assertIn(word, result.out)
         result = call(["run", "--help"])
         self.assertEqual(result.code, DONE)

@@ -165,6 +165,22 @@ TEST_F(TradeTable, FailedSettingsSayWhyAndStandOnNoFront) {
     EXPECT_NE(trade_text(rows, 2).find("broken: failed (1 of 2)"), std::string::npos);
 }
 
+/// Stopped after the first seed, where "broken" had failed with the second already.
+TEST_F(TradeTable, FailedSettingsStandOnNoFrontThoughOthersLackTheRunToo) {
+    std::erase_if(results_, [](const TradeResult& result) { return result.seed == 1; });
+    EXPECT_TRUE(trade_rows(plan_, results_)[3].fronts.relaxations_overlap);
+    results_.push_back({3, 1, std::nullopt, "a grain left"});
+    const auto rows = trade_rows(plan_, results_);
+    EXPECT_FALSE(rows[3].fronts.relaxations_overlap);
+    EXPECT_TRUE(rows[1].fronts.relaxations_overlap);
+}
+
+TEST_F(TradeTable, AReferenceThatFailedLeavesTheOthersTheirFront) {
+    results_.front().figures.reset();
+    results_.front().failure = "a grain left";
+    EXPECT_TRUE(trade_rows(plan_, results_)[2].fronts.relaxations_overlap);
+}
+
 TEST_F(TradeTable, SettingsThatLackRunsStandOnNoFront) {
     results_.pop_back();
     const auto rows = trade_rows(plan_, results_);
