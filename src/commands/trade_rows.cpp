@@ -78,8 +78,8 @@ std::vector<TradeRow> trade_rows(const TradePlan& plan, const Results& results) 
         rows.push_back(row_of(plan, results, k));
     }
     std::size_t most = 0; // what a seed costs differs from seed to seed: only settings with equal runs are compared
-    for (const auto& row : rows) {
-        most = std::max(most, row.n_runs);
+    for (std::size_t k = 1; k < rows.size(); ++k) {
+        most = std::max(most, rows[k].n_runs); // the reference is a run ahead where a matrix was stopped
     }
     const auto mark = [&](double TradeFigures::*cost, auto&& error, bool TradeFronts::*front) {
         std::vector<TradePoint> points;

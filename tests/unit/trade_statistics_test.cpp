@@ -175,6 +175,11 @@ TEST_F(TradeTable, FailedSettingsStandOnNoFrontThoughOthersLackTheRunToo) {
     EXPECT_TRUE(rows[1].fronts.relaxations_overlap);
 }
 
+TEST_F(TradeTable, AReferenceThatIsARunAheadLeavesTheOthersTheirFront) {
+    std::erase_if(results_, [](const TradeResult& result) { return result.seed == 1 && result.setting > 0; });
+    EXPECT_TRUE(trade_rows(plan_, results_)[2].fronts.relaxations_overlap);
+}
+
 TEST_F(TradeTable, AReferenceThatFailedLeavesTheOthersTheirFront) {
     results_.front().figures.reset();
     results_.front().failure = "a grain left";
