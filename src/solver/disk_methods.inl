@@ -81,10 +81,8 @@ public:
         return ((below < -most ? -most : below) + rounding_.magic) - rounding_.magic;
     }
 
-    /// W p q, W that of contacts of effective mass m; null contacts have none.
-    static NAPPE_INLINE Lane product(const Lane& m, const Impulses& p, const Impulses& q) {
-        const Lane zero = {}, one = zero + 1;
-        const Lane w = m > zero ? one / m : zero;
+    /// W p q, W = w that of the normal direction.
+    static NAPPE_INLINE Lane product(const Lane& w, const Impulses& p, const Impulses& q) {
         return w * (p.n * q.n + 3 * (p.t * q.t));
     }
 
@@ -100,24 +98,10 @@ private:
     Lane squared_ = {}, along_ = {};
 };
 
-#if defined(NAPPE_SCALAR)
-NAPPE_INLINE double largest_of(Lane v) {
-    return v;
-}
-#else
-NAPPE_INLINE double largest_of(const Lane& v) {
-    double largest = v[0];
-    for (int k = 1; k < width; ++k) {
-        largest = v[k] > largest ? v[k] : largest;
-    }
-    return largest;
-}
-#endif
-
-/// Gauss–Seidel on lanes l … of batch k, from y.
+/// Gauss–Seidel on lanes l … of batch k, from y. @param w gets 1/m_a + 1/m_b
 template <Friction friction, bool cohesive>
 NAPPE_INLINE Impulses relax_from(const BatchSpan& batches, std::int64_t k, int l, const Impulses& y, double* u,
-                                 Lane& m) {
+                                 Lane& w) {
     const Lane zero = {};
     const double third = 1.0 / 3.0;
     const DiskBatch& batch = batches.contacts[k];
@@ -125,7 +109,7 @@ NAPPE_INLINE Impulses relax_from(const BatchSpan& batches, std::int64_t k, int l
     const Impulses z = feasible<friction, cohesive>(batches, k, l, y.n - (c.v_n + load(batch.bias + l)) * c.m,
                                                     y.t - c.v_t * (c.m * third), zero);
     push_and_scatter<friction>(batch, l, u, c.a, c.b, c.nx, c.ny, z - y);
-    m = c.m;
+    w = c.a.w + c.b.w;
     return z;
 }
 
@@ -143,39 +127,20 @@ void advance(const BatchSpan& batches, const double* u, double h) {
     }
 }
 
-double relax_watched(const BatchSpan& batches, double* u, BodyRange) {
-    return by_law(batches, [&]<Friction friction, bool cohesive>() {
-        const Lane zero = {}, one = zero + 1;
-        Lane largest = {};
-        for (std::int64_t k = 0; k < batches.n; ++k) {
-            for (int l = 0; l < n_lanes; l += width) {
-                const Impulses y = load_impulses<friction>(batches, k, l);
-                Lane m;
-                const Impulses z = relax_from<friction, cohesive>(batches, k, l, y, u, m);
-                store_impulses<friction>(batches, k, l, z);
-                const Lane w = m > zero ? one / m : zero;
-                const Lane e_n = w * (z.n - y.n), e_t = 3 * (w * (z.t - y.t));
-                const Lane squared = e_n * e_n + e_t * e_t;
-                largest = squared > largest ? squared : largest;
-            }
-        }
-        return largest_of(largest);
-    });
-}
-
 StepSums relax_ahead(const BatchSpan& batches, SearchBatch* before, double beta, const TermRounding& rounding,
-                     double* u, BodyRange) {
+                     double* u, BodyRange soon) {
     return by_law(batches, [&]<Friction friction, bool cohesive>() {
         Sums sums(rounding);
         for (std::int64_t k = 0; k < batches.n; ++k) {
+            fetch(batches, k, friction != Friction::none, u, soon);
             for (int l = 0; l < n_lanes; l += width) {
                 const Impulses x = load_impulses<friction>(batches, k, l);
                 const Impulses y = x + beta * (x - load(before[k], l));
-                Lane m;
-                const Impulses z = relax_from<friction, cohesive>(batches, k, l, y, u, m);
+                Lane w;
+                const Impulses z = relax_from<friction, cohesive>(batches, k, l, y, u, w);
                 store(before[k], l, x);
                 store_impulses<friction>(batches, k, l, z);
-                sums.add(Sums::product(m, z - y, z - y), Sums::product(m, z - y, z - x));
+                sums.add(Sums::product(w, z - y, z - y), Sums::product(w, z - y, z - x));
             }
         }
         return sums.sums();
@@ -183,20 +148,21 @@ StepSums relax_ahead(const BatchSpan& batches, SearchBatch* before, double beta,
 }
 
 StepSums relax_along(const BatchSpan& batches, SearchBatch* from, SearchBatch* direction, double beta,
-                     const TermRounding& rounding, double* u, BodyRange) {
+                     const TermRounding& rounding, double* u, BodyRange soon) {
     return by_law(batches, [&]<Friction friction, bool cohesive>() {
         Sums sums(rounding);
         for (std::int64_t k = 0; k < batches.n; ++k) {
+            fetch(batches, k, friction != Friction::none, u, soon);
             for (int l = 0; l < n_lanes; l += width) {
                 const Impulses x = load_impulses<friction>(batches, k, l);
                 const Impulses ahead = beta * load(direction[k], l);
                 const Impulses y = x + ahead;
                 store(direction[k], l, ahead + (x - load(from[k], l)));
                 store(from[k], l, y);
-                Lane m;
-                const Impulses z = relax_from<friction, cohesive>(batches, k, l, y, u, m);
+                Lane w;
+                const Impulses z = relax_from<friction, cohesive>(batches, k, l, y, u, w);
                 store_impulses<friction>(batches, k, l, z);
-                sums.add(Sums::product(m, z - y, z - y), Lane{});
+                sums.add(Sums::product(w, z - y, z - y), Lane{});
             }
         }
         return sums.sums();
@@ -222,7 +188,8 @@ StepSums project(const BatchSpan& batches, SearchBatch* before, double beta, dou
                 store_impulses<friction>(batches, k, l, z);
                 push_and_scatter<friction>(batch, l, u, gather(u, batch.a + l), gather(u, batch.b + l), c.nx, c.ny,
                                            z - y);
-                sums.add(Sums::product(c.m, z - y, z - y), Sums::product(c.m, z - y, z - x));
+                const Lane w = c.a.w + c.b.w;
+                sums.add(Sums::product(w, z - y, z - y), Sums::product(w, z - y, z - x));
             }
         }
         return sums.sums();
@@ -266,7 +233,7 @@ StepSums gradient(const BatchSpan& batches, SearchBatch* z, SearchBatch* p, cons
                 store(p[k], l, open_part<friction, cohesive>(batches, k, l, r, load(p[k], l)));
                 push_and_scatter<friction>(batch, l, of_z, gather(of_z, batch.a + l), gather(of_z, batch.b + l), c.nx,
                                            c.ny, step);
-                sums.add(Sums::product(c.m, down, step), Lane{});
+                sums.add(Sums::product(c.a.w + c.b.w, down, step), Lane{});
             }
         }
         return sums.sums();

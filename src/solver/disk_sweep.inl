@@ -227,11 +227,40 @@ NAPPE_INLINE Impulses feasible(const BatchSpan& batches, std::int64_t k, int l, 
     return r;
 }
 
-template <Friction friction, bool cohesive>
-NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon) {
+/// Asks for batches behind the k-th and for the bodies of the next tile. @param tangent whether there is friction
+NAPPE_INLINE void fetch(const BatchSpan& batches, std::int64_t k, bool tangent, const double* u, BodyRange& soon) {
     constexpr int doubles_per_line = 8, lines_per_batch = 3; // of a cache; own bodies of a tile are two a batch
     constexpr int batches_ahead = 8;                         // about 200 ns: what memory takes
-    Lane zero = {};
+    for (int line = 0; line < static_cast<int>(sizeof(DiskBatch) / 64); ++line) {
+        __builtin_prefetch(reinterpret_cast<const char*>(batches.contacts + k + batches_ahead) + 64 * line, 1);
+    }
+    if (tangent) {
+        __builtin_prefetch(batches.tangent + k + batches_ahead, 1);
+    }
+    for (int line = 0; line < lines_per_batch && soon.begin < soon.end; ++line) {
+        __builtin_prefetch(u + soon.begin, 1);
+        soon.begin += doubles_per_line;
+    }
+}
+
+#if defined(NAPPE_SCALAR)
+NAPPE_INLINE double largest_of(Lane v) {
+    return v;
+}
+#else
+NAPPE_INLINE double largest_of(const Lane& v) {
+    double largest = v[0];
+    for (int k = 1; k < width; ++k) {
+        largest = v[k] > largest ? v[k] : largest;
+    }
+    return largest;
+}
+#endif
+
+/// @returns if watched, the largest (W (r - r_before))², else 0.
+template <Friction friction, bool cohesive, bool watched>
+NAPPE_INLINE double relax_all(const BatchSpan& batches, double* u, BodyRange soon) {
+    Lane zero = {}, largest = {};
 #if defined(__x86_64__)
     asm("" : "+x"(zero)); // not a literal, so that the selection below is one instruction, a maximum
 #endif
@@ -240,16 +269,7 @@ NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon)
     TangentBatch* const tangent = batches.tangent;
     for (std::int64_t k = 0; k < batches.n; ++k) {
         DiskBatch& batch = contacts[k];
-        for (int line = 0; line < static_cast<int>(sizeof(DiskBatch) / 64); ++line) {
-            __builtin_prefetch(reinterpret_cast<const char*>(contacts + k + batches_ahead) + 64 * line, 1);
-        }
-        if (friction != Friction::none) {
-            __builtin_prefetch(tangent + k + batches_ahead, 1);
-        }
-        for (int line = 0; line < lines_per_batch && soon.begin < soon.end; ++line) {
-            __builtin_prefetch(u + soon.begin, 1);
-            soon.begin += doubles_per_line;
-        }
+        fetch(batches, k, friction != Friction::none, u, soon);
         for (int l = 0; l < n_lanes; l += width) {
             Bodies a = gather(u, batch.a + l);
             Bodies b = gather(u, batch.b + l);
@@ -258,10 +278,14 @@ NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon)
             const Lane dvx = a.x - b.x, dvy = a.y - b.y;
             const Lane v_n = nx * dvx + ny * dvy;
             const Lane wanted_n = r_n - (v_n + load(batch.bias + l)) * m;
+            Lane squared = zero; // change of r_n / W_nn and r_t / W_tt, W_tt = 3 W_nn
             if constexpr (friction == Friction::none) {
                 const Impulses r = feasible<friction, cohesive>(batches, k, l, wanted_n, zero, zero);
                 store(batch.r_n + l, r.n);
                 push(a, b, nx, ny, r.n - r_n);
+                if constexpr (watched) {
+                    squared = (r.n - r_n) * (r.n - r_n);
+                }
             } else {
                 const Lane r_t = load(tangent[k].r_t + l);
                 const Lane v_t = (nx * dvy - ny * dvx) - (a.s + b.s);
@@ -269,11 +293,20 @@ NAPPE_INLINE void relax_all(const BatchSpan& batches, double* u, BodyRange soon)
                 store(batch.r_n + l, r.n);
                 store(tangent[k].r_t + l, r.t);
                 push(a, b, nx, ny, r.n - r_n, r.t - r_t);
+                if constexpr (watched) {
+                    squared = (r.n - r_n) * (r.n - r_n) + 9 * ((r.t - r_t) * (r.t - r_t));
+                }
+            }
+            if constexpr (watched) {
+                const Lane w = a.w + b.w;
+                const Lane change = (w * w) * squared;
+                largest = change > largest ? change : largest;
             }
             scatter(u, batch.a + l, a);
             scatter(u, batch.b + l, b);
         }
     }
+    return watched ? largest_of(largest) : 0.0;
 }
 
 template <bool cohesive, class Pass>
@@ -294,7 +327,12 @@ NAPPE_INLINE auto by_law(const BatchSpan& batches, const Pass& pass) {
 }
 
 void relax(const BatchSpan& batches, double* u, BodyRange soon) {
-    by_law(batches, [&]<Friction friction, bool cohesive>() { relax_all<friction, cohesive>(batches, u, soon); });
+    by_law(batches, [&]<Friction friction, bool cohesive>() { relax_all<friction, cohesive, false>(batches, u, soon); });
+}
+
+double relax_watched(const BatchSpan& batches, double* u, BodyRange soon) {
+    return by_law(batches,
+                  [&]<Friction friction, bool cohesive>() { return relax_all<friction, cohesive, true>(batches, u, soon); });
 }
 
 void apply(const BatchSpan& batches, double* u) {

@@ -13,6 +13,9 @@ void Nsgs<D>::begin(const ContactProblem<D>& problem) {
     for (auto& velocities : quiet_at_) {
         velocities.clear(); // and keeps its memory
     }
+    clock_ = 0;
+    relaxed_at_.assign(watched, 0);
+    looked_at_.assign(watched, 0);
 }
 
 template <int D>
@@ -26,17 +29,36 @@ IterationWork Nsgs<D>::advance(const ContactProblem<D>& problem, int n) {
     const double limit = *problem.settings.adaptive * problem.unit, limit_squared = limit * limit;
     std::int64_t relaxations = 0;
     sweep_.run(n, together_, problem.halo, problem.u, [&](std::size_t t, std::size_t next) {
-        if (!quiet_at_[t].empty() && stays_quiet(t, problem.u, limit_squared)) {
+        ++clock_;
+        if (!quiet_at_[t].empty() && (undisturbed(t) || stays_quiet(t, problem.u, limit_squared))) {
+            looked_at_[t] = clock_;
             return;
         }
+        relaxed_at_[t] = clock_;
         quiet_at_[t].clear();
         if (contacts.relax_watched(t, next, problem.u) <= limit_squared) {
             note(t, problem.u);
+            looked_at_[t] = clock_;
         }
         relaxations += contacts.n_active(t);
         ++tile_sweeps_[t];
     });
     return {relaxations, 0};
+}
+
+/// Whether nothing that could move a quiet tile's bodies was relaxed since the last look: then another look would say the
+/// same. (Never known where other ranks may have moved them.)
+template <int D>
+bool Nsgs<D>::undisturbed(std::size_t tile) const {
+    if (sweep_.shared(tile)) {
+        return false;
+    }
+    for (const auto other : sweep_.around(tile)) {
+        if (relaxed_at_[static_cast<std::size_t>(other)] > looked_at_[tile]) {
+            return false;
+        }
+    }
+    return true;
 }
 
 template <int D>

@@ -19,6 +19,7 @@ public:
     const std::vector<std::int32_t>& tile_sweeps() const override { return tile_sweeps_; }
 
 private:
+    bool undisturbed(std::size_t tile) const;
     bool stays_quiet(std::size_t tile, const std::vector<BodyVelocity<D>>& u, double limit_squared) const;
     void note(std::size_t tile, const std::vector<BodyVelocity<D>>& u);
 
@@ -27,6 +28,9 @@ private:
     // Empty unless adaptive:
     std::vector<std::int32_t> tile_sweeps_;
     std::vector<std::vector<BodyVelocity<D>>> quiet_at_; ///< velocities of a quiet tile's bodies when it became so
+    // A clock that counts visits of tiles, to tell whether anything can have changed since a look:
+    std::int64_t clock_ = 0;
+    std::vector<std::int64_t> relaxed_at_, looked_at_;
 };
 
 } // namespace nappe

@@ -62,14 +62,16 @@ public:
     TileSweep(const Communicator& comm, Stopwatch& watch) : comm_(comm), watch_(watch) {}
 
     /// Local. After a rebuild: which tiles come first.
-    /// @param list_bodies also which bodies the contacts of each tile may move
-    void order_tiles(const CandidateSet<D>& candidates, bool list_bodies = false);
+    /// @param with_bodies also which bodies the contacts of each tile may move
+    void order_tiles(const CandidateSet<D>& candidates, bool with_bodies = false);
 
     /// Local. Rows of the grains that a tile's contacts may move, ascending; listed by order_tiles if it was asked to. A
     /// function of the frozen lists.
-    std::span<const LocalId> bodies(std::size_t tile) const {
-        return std::span(bodies_).subspan(bodies_begin_[tile], bodies_begin_[tile + 1] - bodies_begin_[tile]);
-    }
+    std::span<const LocalId> bodies(std::size_t tile) const { return bodies_.of(tile); }
+    /// Local. Rows of the tiles around a tile, itself included, that this rank owns; listed likewise.
+    std::span<const std::int32_t> around(std::size_t tile) const { return around_.of(tile); }
+    /// Local. Whether another rank may move some body of the tile; known if bodies were listed.
+    bool shared(std::size_t tile) const { return shared_[tile]; }
 
     /// Local. How many passes over so many bytes should go together.
     int together(double bytes) const {
@@ -114,31 +116,26 @@ private:
     Stopwatch& watch_;
     TileOrder<D> order_;
     std::vector<std::pair<LocalId, LocalId>> grains_; ///< rows of each tile
-    std::vector<LocalId> bodies_; ///< of tile t: [bodies_begin_[t], bodies_begin_[t + 1])
-    std::vector<std::size_t> bodies_begin_;
+    /// A list for each tile.
+    struct Lists {
+        std::vector<std::int32_t> items;
+        std::vector<std::size_t> begin = {0};
+
+        void clear() {
+            items.clear();
+            begin.assign(1, 0);
+        }
+        void end_list() { begin.push_back(items.size()); }
+        std::span<const std::int32_t> of(std::size_t tile) const {
+            return std::span(items).subspan(begin[tile], begin[tile + 1] - begin[tile]);
+        }
+    };
+    void list_bodies(const CandidateSet<D>& candidates);
+
+    Lists bodies_, around_;
+    std::vector<bool> shared_;
     std::vector<double>* seconds_ = nullptr;
 };
-
-template <int D>
-void TileSweep<D>::order_tiles(const CandidateSet<D>& candidates, bool list_bodies) {
-    order_.build(candidates);
-    grains_.clear();
-    bodies_.clear();
-    bodies_begin_.assign(1, 0);
-    for (const auto& tile : candidates.tiles) {
-        grains_.emplace_back(tile.grains_begin, tile.grains_end);
-        if (list_bodies) {
-            const auto begin = static_cast<std::ptrdiff_t>(bodies_.size());
-            for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
-                bodies_.push_back(candidates.a[c]);
-                bodies_.push_back(candidates.b[c]);
-            }
-            std::sort(bodies_.begin() + begin, bodies_.end());
-            bodies_.erase(std::unique(bodies_.begin() + begin, bodies_.end()), bodies_.end());
-            bodies_begin_.push_back(bodies_.size());
-        }
-    }
-}
 
 template <int D>
 template <class Visit>
