@@ -16,6 +16,7 @@ namespace {
 
 constexpr const char* default_sizes = "3000,10000,43000,172000,688000,2700000";
 constexpr const char* default_pair_sizes = "10000,43000";
+constexpr const char* default_feature_sizes = "43000";
 constexpr std::int64_t most_grains = 100'000'000;
 
 /// How long to measure: enough for medians, little enough for minutes in all.
@@ -160,6 +161,24 @@ void measure_all_pairs(const Communicator& comm, const BenchOptions& options, Pr
     }
 }
 
+void measure_all_features(const Communicator& comm, const BenchOptions& options, Progress& progress,
+                          BenchOutput& output) {
+    const auto sizes = parse_sizes(!options.grains.empty() ? options.grains.c_str()
+                                                           : (options.quick ? "3000" : default_feature_sizes));
+    const int steps = effort_for(block_grains, options.quick).settle_steps;
+    // Without friction a block sloshes for longer, and a pile that moves has lists to renew.
+    const FeatureBlocks blocks{settle_block(Communicator::alone(), block_grains, steps),
+                               settle_block(Communicator::alone(), block_grains, (options.quick ? 1 : 10) * steps, 0)};
+    std::vector<FeatureFigures> figures;
+    for (const auto& grains : sizes) {
+        progress.info(fmt::format("bench: features at {} grains", grains));
+        const auto found =
+            measure_features(comm, blocks, grains, options.quick ? FeatureEffort{2, 1} : FeatureEffort{});
+        figures.insert(figures.end(), found.begin(), found.end());
+        output.take({feature_table(figures)}, &grains == &sizes.back());
+    }
+}
+
 void check(const Communicator& comm, const BenchOptions& options) {
     if (!options.grains.empty()) {
         parse_sizes(options.grains);
@@ -196,6 +215,8 @@ ExitCode bench(const Communicator& comm, const BenchOptions& options) {
     const double total = seconds_of([&] {
         if (options.pairs != 0) {
             measure_all_pairs(comm, options, progress, output);
+        } else if (options.features) {
+            measure_all_features(comm, options, progress, output);
         } else {
             measure_sizes(comm, options, progress, output);
         }

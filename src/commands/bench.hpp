@@ -1,6 +1,6 @@
 #pragma once
 // `nappe bench`: what this machine allows and what nappe makes of it, in one run: bandwidth and the roofline it
-// implies, kernels, steps, rebuilds, memory; or, with pairs, one rank against all.
+// implies, kernels, steps, rebuilds, memory; or, with pairs, one rank against all; or what each feature of a scene adds.
 
 #include "core/error.hpp"
 #include "parallel/communicator.hpp"
@@ -17,6 +17,7 @@ struct BenchOptions {
     std::string grains;         ///< sizes, by commas; empty: the default of what is measured
     std::filesystem::path json; ///< FILE; empty: none
     int pairs = 0;              ///< turns of one rank against all; 0: everything else instead
+    bool features = false;      ///< what each feature of a scene adds, instead of everything else
     bool quick = false;         ///< one small size and few rounds: that it works, not how fast it is
 };
 

@@ -159,4 +159,36 @@ BenchTable pair_table(const std::vector<PairFigures>& pairs) {
     return table;
 }
 
+BenchTable feature_table(const std::vector<FeatureFigures>& features) {
+    BenchTable table(
+        "features",
+        "What a feature adds to the settled pile at 100 sweeps a step, in alternating turns: bytes of a grain and of a "
+        "contact; ns per relaxation without it,\nhow many more and how many times as much with it; the same of a "
+        "step's rest, all but "
+        "the sweeps, per contact (medians, and quartiles of the turns' ratios).\nfriction and spin: added to a pile "
+        "without friction; all others to one with one friction coefficient.",
+        {{"grains", "grains"},
+         {"feature", "feature"},
+         {"kernel", "kernel"},
+         {"grain_bytes", "B/grain"},
+         {"contact_bytes", "B/contact"},
+         {"relaxation_ns", "relax ns", 2},
+         {"relaxation_added_ns", "more", 2},
+         {"relaxation_ratio", "x", 3},
+         {"relaxation_ratio_low", "25 %", 3},
+         {"relaxation_ratio_high", "75 %", 3},
+         {"rest_ns", "rest ns", 1},
+         {"rest_added_ns", "more", 1},
+         {"rest_ratio", "x", 3},
+         {"rest_ratio_low", "25 %", 3},
+         {"rest_ratio_high", "75 %", 3}});
+    for (const auto& f : features) {
+        const auto &relax = f.relaxation, &rest = f.rest;
+        table.add({f.grains, f.feature, f.kernel, f.grain_bytes, f.contact_bytes, relax.without.median, relax.added(),
+                   relax.ratio.median, relax.ratio.low, relax.ratio.high, rest.without.median, rest.added(),
+                   rest.ratio.median, rest.ratio.low, rest.ratio.high});
+    }
+    return table;
+}
+
 } // namespace nappe

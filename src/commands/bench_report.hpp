@@ -1,6 +1,7 @@
 #pragma once
 // The figures of `nappe bench` as tables.
 
+#include "commands/bench_features.hpp"
 #include "commands/bench_kernels.hpp"
 #include "commands/bench_pairs.hpp"
 #include "commands/bench_steps.hpp"
@@ -31,6 +32,7 @@ BenchTable step_table(const std::vector<SizeFigures>& sizes);
 BenchTable exchange_table(const std::vector<SizeFigures>& sizes); ///< for several ranks
 BenchTable memory_table(const std::vector<SizeFigures>& sizes);
 BenchTable pair_table(const std::vector<PairFigures>& pairs);
+BenchTable feature_table(const std::vector<FeatureFigures>& features);
 
 /// The figures that the project asks of itself, as far as this run has them, met or not (bench_asked.cpp).
 BenchTable asked_table(const std::vector<SizeFigures>& sizes, int ranks);

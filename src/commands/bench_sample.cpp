@@ -30,7 +30,7 @@ Scene<2> bench_scene(double length) {
     scene.title = "a settled block repeated";
     scene.gravity = {0, -9.81};
     scene.materials = {{"rock", 2800.0}};
-    scene.laws = {{0, 0, 0.4, 0.0}};
+    scene.laws = {{0, 0, bench_friction, 0.0}};
     Sample<2> sample;
     sample.radii = {RadiusLaw::Kind::uniform, 0.42, 0.56};
     sample.profile = {{0, 0}, {length, 0}, {length, height}, {0, height}};
@@ -48,8 +48,9 @@ Scene<2> bench_scene(double length) {
 namespace {
 
 /// The box in which a block settles: side walls without friction (see repeat_block).
-Scene<2> block_scene(double length) {
+Scene<2> block_scene(double length, double friction) {
     auto scene = bench_scene(length);
+    scene.laws[0].friction = friction;
     scene.materials.push_back({"smooth", 0.0});
     scene.laws.push_back({0, 1, 0.0, 0.0});
     scene.walls[left_wall].material = 1;
@@ -59,10 +60,10 @@ Scene<2> block_scene(double length) {
 
 } // namespace
 
-SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps) {
+SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps, double friction) {
     SettledBlock block;
     block.length = static_cast<double>(grains) * area_per_disk / height;
-    Simulation<2> simulation(alone, block_scene(block.length), disk_kernels());
+    Simulation<2> simulation(alone, block_scene(block.length, friction), disk_kernels());
     simulation.load(initial_grains(simulation.scene()), {}, simulation.settings().h);
     simulation.start_stage(static_cast<int>(BenchStage::sweeps_100));
     for (int k = 0; k < steps; ++k) {

@@ -25,9 +25,11 @@ struct SettledBlock {
 /// A box for so many blocks, with the stages of BenchStage.
 Scene<2> bench_scene(double length);
 
+inline constexpr double bench_friction = 0.4;
+
 /// **Local.** Deposits a block and lets it settle for `steps` steps of 100 sweeps; the same bits wherever it is done.
-/// @param alone a communicator of this rank only @param grains about how many
-SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps);
+/// @param alone a communicator of this rank only @param grains about how many @param friction of grains and floor
+SettledBlock settle_block(const Communicator& alone, std::int64_t grains, int steps, double friction = bench_friction);
 
 /// How many blocks make a sample of about so many grains.
 std::int64_t n_copies(const SettledBlock& block, std::int64_t grains);

@@ -108,11 +108,24 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
     }
 }
 
+/// Those that take bytes and those that only take time.
+std::string asked_features(const Features& f) {
+    std::string text;
+    for (const auto& [asked, name] : {std::pair(f.friction, "friction"), std::pair(f.mixed_friction, "mixed friction"),
+                                      std::pair(f.restitution, "restitution"), std::pair(f.cohesion, "cohesion"),
+                                      std::pair(f.turning, "grains that may turn"), std::pair(f.cells, "cells"),
+                                      std::pair(f.layers, "layers"), std::pair(f.driven_walls, "driven walls")}) {
+        text += asked ? fmt::format("{}{}", text.empty() ? "" : ", ", name) : "";
+    }
+    return text.empty() ? "nothing" : text;
+}
+
 /// What is stored, for the sake of what, and what is not.
 template <class Out>
 void describe_fields(const Features& features, Out out) {
     constexpr std::array<std::string_view, 3> per = {"grain", "candidate", "packed contact"};
-    fmt::format_to(out, "\nkernel     {}: {}\n", disk_kernels().name, kernel_variant(features));
+    fmt::format_to(out, "\nasks for   {}\n", asked_features(features));
+    fmt::format_to(out, "kernel     {}: {}\n", disk_kernels().name, kernel_variant(features));
     fmt::format_to(out, "carried    {} B per grain, {} B per contact\n", bytes_per_grain(features),
                    bytes_per_contact(features));
     for (const bool carried : {true, false}) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 
 namespace nappe {
 
@@ -42,6 +43,10 @@ void State<D>::reorder(const std::vector<LocalId>& from, const std::vector<Grain
     n_own = static_cast<LocalId>(from.size());
     if (same) {
         return;
+    }
+    for ([[maybe_unused]] const auto& g : arrivals) {
+        NAPPE_ASSERT(carries.turning || (g.u.s == decltype(g.u.s){} && g.rotation == decltype(g.rotation){}),
+                     "grain " + std::to_string(g.id) + " turns in a scene where nothing does");
     }
     reorder_array(id, from, arrivals, [](const Record& g) { return g.id; });
     reorder_array(x, from, arrivals, [](const Record& g) { return position(g); });

@@ -89,8 +89,35 @@ class Bench(NappeTest):
             self.assertGreater(row[key], 0)
         self.assertNotIn("kernels", report)
 
+    def test_features_tell_what_each_adds(self):
+        for ranks in (0, 2):
+            _, report = self.bench("--features", ranks=ranks)
+            added = {row["feature"]: (row["grain_bytes"], row["contact_bytes"]) for row in report["features"]}
+            self.assertEqual(
+                added,
+                {
+                    "friction": (8, 16),
+                    "spin without friction": (8, 0),
+                    "friction by pair": (0, 8),
+                    "cohesion": (0, 9),
+                    "restitution": (0, 0),
+                    "driven wall": (0, 0),
+                    "a cell": (8, 0),
+                    "layers": (4, 0),
+                },
+            )
+            for row in report["features"]:
+                for key in ("relaxation_ns", "relaxation_ratio", "rest_ns", "rest_ratio"):
+                    self.assertGreater(row[key], 0, row)
+                    self.assertLess(row[key], 1e6, row)
+            variants = {row["feature"]: row["kernel"] for row in report["features"]}
+            self.assertEqual(variants["spin without friction"], "frictionless")
+            self.assertEqual(variants["friction by pair"], "mixed friction")
+            self.assertEqual(variants["cohesion"], "one friction, cohesive")
+
     def test_bad_input_is_code_2_and_says_the_rule(self):
         bad = [(["--grains", size], f"found '{size}'") for size in ("0", "-5", "many", "2999", "3e3")]
+        bad += [(["--features", "--pairs", "3"], "--features")]
         bad += [(["--pairs", "0"], "--pairs"), (["--pairs", "3"], "mpirun"), (["--bananas"], "--bananas")]
         for arguments, named in bad:
             with self.subTest(arguments=arguments):

@@ -49,11 +49,13 @@ TEST(check, sweeps_are_divided_among_substeps_and_rounded_up) {
 
 TEST(check, summary_names_what_the_scene_holds) {
     const auto text = describe(square(), {}, 4);
-    for (const auto* part : {"box of disks", "dimension  2", "floor: 2 points of wall, fixed",
-                             "piston: 2 points of steel, moves at [0.5, 0] m/s from stage push to 2 s",
-                             "rock - rock: frictional, friction 0.4", "push: 3 s, 300 steps", "3 substeps, 60 sweeps",
-                             "cells      2", "a rank on 4", "frames     9", "one friction", "State::cells",
-                             "(for: friction)", "not carried\n  CandidateSet::bond"}) {
+    for (const auto* part :
+         {"box of disks", "dimension  2", "floor: 2 points of wall, fixed",
+          "piston: 2 points of steel, moves at [0.5, 0] m/s from stage push to 2 s",
+          "rock - rock: frictional, friction 0.4", "push: 3 s, 300 steps", "3 substeps, 60 sweeps", "cells      2",
+          "a rank on 4", "frames     9",
+          "asks for   friction, mixed friction, restitution, grains that may turn, cells, layers, driven walls\n",
+          ": mixed friction\n", "State::cells", "(for: friction)", "not carried\n  CandidateSet::bond"}) {
         EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
     }
 }
