@@ -216,7 +216,7 @@ NAPPE_INLINE Impulses feasible(const BatchSpan& batches, std::int64_t k, int l, 
     Impulses r;
     r.n = wanted_n > least ? wanted_n : least;
     if constexpr (friction == Friction::none) {
-        r.t = wanted_t;
+        r.t = zero;
     } else {
         const Lane pressed = cohesive ? r.n + most : r.n;
         const Lane limit =
