@@ -117,6 +117,9 @@ std::string asked_features(const Features& f) {
                                       std::pair(f.layers, "layers"), std::pair(f.driven_walls, "driven walls")}) {
         text += asked ? fmt::format("{}{}", text.empty() ? "" : ", ", name) : "";
     }
+    if (f.impulses_kept > 0) {
+        text += fmt::format("{}a method that looks back", text.empty() ? "" : ", ");
+    }
     return text.empty() ? "nothing" : text;
 }
 

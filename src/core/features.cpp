@@ -4,6 +4,30 @@
 
 namespace nappe {
 
+namespace {
+
+struct Kept {
+    int impulses, velocities;
+};
+
+Kept kept_by(SolverSettings::Method method) {
+    using enum SolverSettings::Method;
+    switch (method) {
+    case nsgs:
+        return {0, 0};
+    case ansgs:
+        return {1, 1};
+    case apgd:
+        return {1, 2};
+    case nncg:
+    case cpg:
+        return {2, 2};
+    }
+    return {};
+}
+
+} // namespace
+
 template <int D>
 Features features_of(const Scene<D>& scene) {
     const auto any = [](const auto& of, auto&& has) { return std::any_of(of.begin(), of.end(), has); };
@@ -18,6 +42,12 @@ Features features_of(const Scene<D>& scene) {
     f.layers = (scene.sample && !scene.sample->layer_tops.empty()) ||
                any(scene.grains, [](const auto& g) { return g.layer != 1; });
     f.driven_walls = any(scene.walls, [](const auto& wall) { return wall.motion.has_value(); });
+    f.impulses_kept = f.velocities_kept = 0;
+    for (const auto& stage : scene.stages) {
+        const auto kept = kept_by(stage.solver.method);
+        f.impulses_kept = std::max(f.impulses_kept, kept.impulses);
+        f.velocities_kept = std::max(f.velocities_kept, kept.velocities);
+    }
     return f;
 }
 

@@ -15,6 +15,8 @@ struct Features {
     bool cells = true;          ///< sets of grains are marked when loading starts
     bool layers = true;         ///< grains are of more than one layer
     bool driven_walls = true;
+    int impulses_kept = 2;   ///< by the method that keeps most from sweep to sweep: so many of every contact
+    int velocities_kept = 2; ///< and of every body
 };
 
 /// Local.

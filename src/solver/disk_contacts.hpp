@@ -155,6 +155,8 @@ public:
         f("friction", friction_);
         f("cohesion", cohesion_);
         f("asleep", asleep_);
+        f("memory[0]", memory_[0]);
+        f("memory[1]", memory_[1]);
     }
 
     /// By one sweep, without bodies.

@@ -57,6 +57,10 @@ std::vector<Field> fields_of(const Features& f) {
         of_lanes("source", sizeof(std::int32_t), "candidate of a lane"),
         of_lanes("tangent", lane_of<TangentBatch>, "tangential impulse", "friction", f.friction),
         of_lanes("friction", lane_of<FrictionBatch>, "friction coefficient", "mixed friction", f.mixed_friction),
+        Field{grain, "velocities", static_cast<std::size_t>(f.velocities_kept) * sizeof(BodyVelocity<2>),
+              "velocities that the method keeps", "method", f.velocities_kept > 0, "Iteration"},
+        of_lanes("memory[0]", lane_of<SearchBatch>, "impulse that the method keeps", "method", f.impulses_kept > 0),
+        of_lanes("memory[1]", lane_of<SearchBatch>, "another", "method", f.impulses_kept > 1),
         of_lanes("cohesion", lane_of<CohesionBatch>, "attraction, gamma h or 0", "cohesion", f.cohesion),
     };
 }
