@@ -104,8 +104,9 @@ SampleOrigin sample_origin(const Scene<2>& scene) {
             text += fmt::format("settle {} {} h {} substeps {} theta {} sweeps {} tolerance {} {} {} method {}\n",
                                 stage.until->kinetic, stage.until->residual, s.h, s.substeps, s.theta, s.sweeps,
                                 s.tolerance.value_or(0.0), s.max_sweeps, s.check_every, static_cast<int>(s.method));
-            if (s.adaptive || s.geometry_every > 1) {
-                text += fmt::format("adaptive {} geometry every {}\n", s.adaptive.value_or(0.0), s.geometry_every);
+            if (s.adaptive || s.geometry_every > 1 || s.position_correction > 0) {
+                text += fmt::format("adaptive {} geometry every {} correction {}\n", s.adaptive.value_or(0.0),
+                                    s.geometry_every, s.position_correction);
             }
             if (!s.warm_start) {
                 text += "cold\n";

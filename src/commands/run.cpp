@@ -209,6 +209,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["imbalance_last"] = simulation.domain().last_imbalance();
     json["messages"] = messages;
     json["message_bytes"] = bytes;
+    json["correction_work"] = simulation.correction_work();
     json["overlap_mean"] = recorder.last_overlaps().mean;
     json["overlap_max"] = recorder.last_overlaps().largest;
     json["overlap_max_of_rows"] = recorder.largest_overlap();

@@ -99,8 +99,16 @@ struct SolverSettings {
     /// Share of V below which a tile's changes do not matter: it is left alone until its surroundings change (nsgs only).
     std::optional<double> adaptive;
     int geometry_every = 1; ///< substeps that normals serve for; no more than the substeps of a step
+    /// Share of each overlap that is taken away at the end of a (sub)step, as far as contacts have dissipated energy to pay
+    /// for it; in [0, 1].
+    double position_correction = 0;
     bool warm_start = true; ///< from the impulses of the step before; else from none
 };
+
+/// Passes of the correction of positions: a tenth of the sweeps, four at least.
+inline int correction_sweeps(int sweeps) {
+    return sweeps > 40 ? sweeps / 10 : 4;
+}
 
 /// Ends a preparing stage: both hold at the end of a step.
 struct SettleCriterion {

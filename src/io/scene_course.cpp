@@ -103,6 +103,19 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
     if (solver) {
         read_solver_keys(*solver, base, Need::required);
     }
+    using Named = std::optional<Accuracy>;
+    Named accuracy;
+    read_choice<Named>(top, "accuracy",
+                       {{"fast", Accuracy::fast}, {"balanced", Accuracy::balanced}, {"tight", Accuracy::tight}},
+                       accuracy);
+    SolverSettings loading_base = base;
+    if (solver && accuracy) {
+        choose(*accuracy, *solver, loading_base);
+    }
+    if (solver) {
+        check_solver(*solver, base);
+        check_solver(*solver, loading_base);
+    }
     const auto stages = top.tables("stages", "[[stages]]", "write [[stages]]");
     if (stages.empty() && (!top.has("stages") || top.find("stages")->is_array())) {
         top.problem("stages", "must hold at least one stage", "write [[stages]] with a name and a duration or until");
@@ -116,9 +129,10 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
         names.push_back(stage.name);
         read_end(table, stage, loading);
         loading = loading || !stage.until;
-        stage.solver = base;
+        stage.solver = stage.until ? base : loading_base;
         if (const auto own = table.table("solver", "[solver]", "write solver = { h = 0.01 }")) {
             read_solver_keys(*own, stage.solver, Need::optional);
+            check_solver(*own, stage.solver);
             refuse_idle_keys(*own, stage.solver.tolerance.has_value());
         }
         any_tolerance = any_tolerance || stage.solver.tolerance;

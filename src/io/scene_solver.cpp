@@ -22,13 +22,53 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
     table.read("geometry_every", solver.geometry_every, {1, "give the substeps that normals serve for"});
     table.read("adaptive", solver.adaptive, positive("", "give the share of V below which a tile is left alone"));
-    if (solver.adaptive && solver.method != Method::nsgs) {
-        table.problem(table.has("adaptive") ? "adaptive" : "method", "must be absent unless method = \"nsgs\"",
-                      "the other methods move all impulses on together; remove adaptive");
-    }
     table.read("warm_start", solver.warm_start, "false starts every step without impulses");
     using AtMax = SolverSettings::AtMax;
     read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);
+    table.read("position_correction", solver.position_correction,
+               between(0, 1, "", "give the share of each overlap to take away, 0.2 is usual"));
+}
+
+void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& solver) {
+    const auto say = [&](const char* key, auto& target, auto value) {
+        if (!solver_table.has(key)) {
+            target = value;
+        }
+    };
+    const bool counted = solver_table.has("sweeps") && !solver_table.has("tolerance");
+    switch (accuracy) {
+    case Accuracy::fast:
+        say("substeps", solver.substeps, 4);
+        say("geometry_every", solver.geometry_every, 4);
+        say("adaptive", solver.adaptive, 1e-2);
+        break;
+    case Accuracy::balanced:
+        say("substeps", solver.substeps, 10);
+        say("geometry_every", solver.geometry_every, 10);
+        say("adaptive", solver.adaptive, 3e-3);
+        say("position_correction", solver.position_correction, 0.2);
+        break;
+    case Accuracy::tight:
+        say("method", solver.method, SolverSettings::Method::ansgs);
+        if (!counted) {
+            say("sweeps", solver.sweeps, 20);
+            say("tolerance", solver.tolerance, 1e-4);
+            say("max_sweeps", solver.max_sweeps, 20000);
+        }
+        say("position_correction", solver.position_correction, 0.2);
+        break;
+    }
+}
+
+void check_solver(const TableReader& table, const SolverSettings& solver) {
+    if (solver.adaptive && solver.method != SolverSettings::Method::nsgs) {
+        table.problem(table.has("adaptive") ? "adaptive" : "method", "must be absent unless method = \"nsgs\"",
+                      "the other methods move all impulses on together; remove adaptive");
+    }
+    if (table.has("geometry_every") && solver.geometry_every > solver.substeps) {
+        table.problem("geometry_every", fmt::format("must be <= substeps = {}", solver.substeps),
+                      "normals serve within a step; take more substeps or a smaller number");
+    }
     const bool concerned = table.has("tolerance") || table.has("max_sweeps") || table.has("sweeps");
     if (concerned && solver.tolerance && solver.max_sweeps < solver.sweeps) {
         const bool blame_most = table.has("max_sweeps") || !table.has("sweeps");

@@ -9,6 +9,14 @@ namespace nappe::scene_file {
 /// Keys of a solver table over the settings given. Local.
 void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed);
 
+/// What a named accuracy (top-level key `accuracy`) chooses where the file's own [solver] says nothing. docs/accuracy.md has
+/// what each costs and is worth.
+enum class Accuracy { fast, balanced, tight };
+void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& solver);
+
+/// Rules between keys, told at a table that takes part in the matter. Local.
+void check_solver(const TableReader& table, const SolverSettings& solver);
+
 /// Knobs that do nothing without another: no knob is silently ignored. Local.
 void refuse_idle_keys(const TableReader& table, bool has_tolerance);
 

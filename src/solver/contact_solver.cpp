@@ -12,6 +12,11 @@ void ContactSolver<D>::warm_start(ContactsOf<D>& contacts, Halo<D>& halo, std::v
 }
 
 template <int D>
+void ContactSolver<D>::correct(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& w, int n) {
+    sweep_.run(n, 1, halo, w, [&](std::size_t t, std::size_t next) { contacts.relax_correction(t, next, w); });
+}
+
+template <int D>
 SolveReport ContactSolver<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
                                     const SolverSettings& settings, int sweeps, double scale) {
     const int most = settings.tolerance ? settings.max_sweeps : sweeps;

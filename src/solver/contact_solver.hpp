@@ -58,6 +58,15 @@ public:
     SolveReport solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
                       const SolverSettings& settings, int sweeps, double scale);
 
+    /// **Collective.** n passes of the correction of positions that `contacts` has begun; w are its velocities.
+    void correct(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& w, int n);
+
+    /// **Collective.** Sum of term(i) over all grains, i the row on the rank that owns it; the same on any number of ranks.
+    template <class Term>
+    double sum_over_grains(Term&& term) {
+        return sweep_.sum_over_grains(term);
+    }
+
     /// **Collective.** Pre: copies are equal. @param scale V [m/s]; 0: the residual is absolute [m/s].
     Residual residual(const ContactsOf<D>& contacts, const std::vector<BodyVelocity<D>>& u, double scale);
 

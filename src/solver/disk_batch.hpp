@@ -128,6 +128,9 @@ struct DiskKernels {
     /// Gaps and biases (inelastic law) after bodies moved for a time h at velocities u, normals as they are. Pre: gaps are
     /// kept.
     void (*advance)(const BatchSpan& batches, const double* u, double h);
+    /// Batches whose frictionless solution moves bodies so that `share` of each overlap at the end of a step h at velocities
+    /// u goes and none comes; they hold no impulses. Pre: gaps are kept.
+    void (*begin_correction)(const BatchSpan& batches, DiskBatch* out, const double* u, double h, double share);
     /// `relax`; returns the largest squared change of a contact's impulses, times its own block: the squared residual that
     /// the pass met [m²/s²].
     double (*relax_watched)(const BatchSpan& batches, double* u, BodyRange soon);

@@ -44,8 +44,20 @@ public:
     bool cohesive() const { return cohesive_; }
 
     /// Local. For how many substeps normals are to serve: with more than one, gaps are kept with the contacts, and who may
-    /// act is looked for that far ahead. To be followed by `forget`.
-    void set_kept(int substeps) { kept_ = substeps; }
+    /// act is looked for that far ahead. They are kept also if positions are to be corrected. To be followed by `forget`.
+    void set_kept(int substeps, bool correcting) {
+        kept_ = substeps;
+        keeps_gaps_ = substeps > 1 || correcting;
+    }
+
+    /// Local. Prepares the correction of positions after a step of h that ends at velocities u (DiskKernels), and one of
+    /// its passes over a tile, which changes velocities w.
+    void begin_correction(const std::vector<BodyVelocity<2>>& u, double h, double share);
+    void relax_correction(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& w) {
+        const Range& r = ranges_[tile];
+        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
+        kernels_->relax(BatchSpan{corrections_.data() + r.begin, r.n}, doubles(w), soon);
+    }
 
     /// Local. Gaps and biases after a substep of h at velocities u, normals as they are.
     void advance(const std::vector<BodyVelocity<2>>& u, double h);
@@ -155,6 +167,8 @@ public:
         f("friction", friction_);
         f("cohesion", cohesion_);
         f("asleep", asleep_);
+        f("kept_gaps", kept_gaps_);
+        f("corrections", corrections_);
         f("memory[0]", memory_[0]);
         f("memory[1]", memory_[1]);
     }
@@ -283,7 +297,9 @@ private:
     std::vector<FrictionBatch> friction_;            ///< empty unless laws differ in it
     std::vector<CohesionBatch> cohesion_;            ///< empty unless cohesive_
     std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
-    std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless kept_ > 1
+    std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless keeps_gaps_
+    std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
+    bool keeps_gaps_ = false;
     int kept_ = 1;                                   ///< substeps that normals serve for
     bool cohesive_ = false;
     std::vector<std::int32_t> source_; ///< candidate of every lane, -1 for null contacts

@@ -127,6 +127,21 @@ void advance(const BatchSpan& batches, const double* u, double h) {
     }
 }
 
+void begin_correction(const BatchSpan& batches, DiskBatch* out, const double* u, double h, double share) {
+    const Lane zero = {};
+    for (std::int64_t k = 0; k < batches.n; ++k) {
+        const DiskBatch& batch = batches.contacts[k];
+        out[k] = batch;
+        for (int l = 0; l < n_lanes; l += width) {
+            const Bodies a = gather(u, batch.a + l), b = gather(u, batch.b + l);
+            const Lane v_n = load(batch.nx + l) * (a.x - b.x) + load(batch.ny + l) * (a.y - b.y);
+            const Lane gap = load(batches.kept_gaps[k].gap + l) + h * v_n;
+            store(out[k].bias + l, (gap < zero ? share * gap : gap) / h);
+            store(out[k].r_n + l, zero);
+        }
+    }
+}
+
 StepSums relax_ahead(const BatchSpan& batches, SearchBatch* before, double beta, const TermRounding& rounding,
                      double* u, BodyRange soon) {
     return by_law(batches, [&]<Friction friction, bool cohesive>() {

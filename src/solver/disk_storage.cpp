@@ -54,7 +54,7 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     if (cohesive_) {
         cohesion_.resize(batches_.size());
     }
-    if (kept_ > 1) {
+    if (keeps_gaps_) {
         kept_gaps_.resize(batches_.size());
     }
 }
@@ -72,7 +72,7 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     if (cohesive_) {
         cohesion_[static_cast<std::size_t>(at)] = {};
     }
-    if (kept_ > 1) {
+    if (keeps_gaps_) {
         kept_gaps_[static_cast<std::size_t>(at)] = {};
     }
 }
@@ -80,6 +80,13 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
 void DiskContacts::advance(const std::vector<BodyVelocity<2>>& u, double h) {
     for (const auto& range : ranges_) {
         kernels_->advance(span(range), doubles(u), h);
+    }
+}
+
+void DiskContacts::begin_correction(const std::vector<BodyVelocity<2>>& u, double h, double share) {
+    corrections_.resize(batches_.size());
+    for (const auto& range : ranges_) {
+        kernels_->begin_correction(span(range), corrections_.data() + range.begin, doubles(u), h, share);
     }
 }
 

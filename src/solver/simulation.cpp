@@ -51,6 +51,7 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     counters_ = {};
     domain_.halo().clear_traffic();
     last_balance_ = 0;
+    correction_work_ = 0;
     last_residual_.reset();
     last_sweeps_ = 0;
     domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory_);
@@ -75,7 +76,7 @@ void Simulation<D>::start_stage(int stage) {
     drive_walls();
     // Samples are prepared without cohesion, so that all strengths of it start from one.
     contacts_.set_cohesive(!preparing);
-    contacts_.set_kept(std::min(settings().geometry_every, settings().substeps));
+    contacts_.set_kept(std::min(settings().geometry_every, settings().substeps), settings().position_correction > 0);
     contacts_.forget();
     state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
     set_margins(settings().h / settings().substeps);

@@ -87,6 +87,8 @@ public:
     }
     const ContactsOf<D>& contacts() const { return contacts_; }
     const Counters& counters() const { return counters_; }
+    /// Potential energy that the correction of positions has put in since the sample was loaded, of all grains [J].
+    double correction_work() const { return correction_work_; }
     ContactSums<D>& sums() { return sums_; }
     /// This rank's part, since `mark_cells`, if the scene wants an energy budget.
     const EnergySums<D>& energy() const { return energy_; }
@@ -119,6 +121,8 @@ private:
     void begin_substep(double h);
     void agree(double h, int n, const PackFaults& faults, std::uint32_t outside);
     void end_substep(double h);
+    void correct_positions(double h, int sweeps); // correction.cpp
+    double step_dissipation(double h);
     void predict(double h);
     PackFaults detect(double h, bool activate_all);
     void solve(double h, int sweeps, Start start, bool with_residual);
@@ -170,6 +174,8 @@ private:
     Passage passage_;        ///< this rank's, of the step in hand
     double impulse_h_ = 0;   ///< step [s] whose impulses the candidates hold: forces are kept where h changes
     std::uint32_t agreed_ = 0;
+    std::vector<BodyVelocity<D>> correction_; ///< displacements of the step over h; empty unless positions are corrected
+    double correction_work_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;
 

@@ -28,6 +28,7 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
         predict(h);
         const PackFaults faults = detect(h, activate_all);
         solve(h, sweeps, Start::warm, with_residual);
+        correct_positions(h, correction_sweeps(sweeps));
         agree(h, 1, faults, outside);
         if ((agreed_ & (flag::outran_list | flag::missed_contact)) == 0) {
             break;
@@ -88,6 +89,14 @@ void Simulation<D>::end_substep(double h) {
         collect_energy(h);
     }
     integrate(h);
+    if (settings().position_correction > 0) {
+        for (LocalId i = 0; i < state_.n_held(); ++i) {
+            for (int d = 0; d < D; ++d) {
+                state_.x[i][d] += h * correction_[i].v[d];
+                state_.mid[i].x[d] = state_.x[i][d];
+            }
+        }
+    }
     ++stage_substeps_;
 }
 
@@ -209,6 +218,7 @@ template <int D>
 std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
     const auto lap = watch_.lap(Timed::check);
     std::uint32_t flags = faults.through_wall != PackFaults::none ? flag::through_wall : 0;
+    const bool correcting = settings().position_correction > 0;
     const double falling = h * h * scene_.gravity.norm(); // what gravity may add in the next step
     const double most = largest_margin();
     for (LocalId i = 0; i < state_.n_own; ++i) {
@@ -216,7 +226,7 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
         // more.
         double here = 0, next = 0, jump = 0, stride = 0;
         for (int d = 0; d < D; ++d) {
-            const double move = h * state_.u[i].v[d];
+            const double move = h * (state_.u[i].v[d] + (correcting ? correction_[i].v[d] : 0.0));
             const double at = state_.mid[i].x[d] - state_.x_ref[i][d] + move;
             const double from_start = state_.mid[i].x[d] - state_.x[i][d] + move;
             here += at * at;

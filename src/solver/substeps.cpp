@@ -39,6 +39,7 @@ struct Simulation<D>::Before {
     ContactSums<D> sums;
     EnergySums<D> energy;
     std::int64_t substeps;
+    double correction_work;
 };
 
 /// n substeps whose contacts keep the normals of the first: gaps change by h v_n, and since neither impulses nor normals
@@ -47,7 +48,8 @@ struct Simulation<D>::Before {
 template <int D>
 bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual) {
     begin_substep(h);
-    const Before before{state_.x, state_.u, state_.rotation, walls_.offset, walls_.v_old, sums_, energy_, stage_substeps_};
+    const Before before{state_.x, state_.u, state_.rotation, walls_.offset, walls_.v_old, sums_, energy_, stage_substeps_,
+                        correction_work_};
     predict(h);
     const PackFaults faults = detect(h, false);
     for (int k = 1; k <= n; ++k) {
@@ -55,11 +57,15 @@ bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t out
             {
                 const auto lap = watch_.lap(Timed::geometry);
                 contacts_.advance(state_.u, h);
+                if (settings().position_correction > 0) {
+                    contacts_.advance(correction_, h);
+                }
             }
             predict_kept(h);
         }
         const bool last = k == n;
         solve(h, sweeps, k == 1 ? Start::warm : Start::as_it_is, with_residual && last);
+        correct_positions(h, correction_sweeps(sweeps));
         if (last) {
             agree(h, n, faults, outside);
             if ((agreed_ & (flag::outran_list | flag::missed_contact)) != 0) {
@@ -107,6 +113,7 @@ void Simulation<D>::restore(const Before& before) {
     sums_ = before.sums;
     energy_ = before.energy;
     stage_substeps_ = before.substeps;
+    correction_work_ = before.correction_work;
     rebuild_due_ = (agreed_ & flag::outran_list) != 0;
     some_fast_ = false;
 }
