@@ -12,6 +12,7 @@ namespace nappe {
 /// step on any number of ranks.
 template <int D>
 std::uint32_t Simulation<D>::look_for_passages(double h, int n) {
+    const auto lap = watch_.lap(Timed::check);
     constexpr std::int64_t slow_ones = static_cast<std::int64_t>(1 / slow_stride);
     const double theta = settings().theta;
     const bool first = stage_substeps_ == 0; // comes from where the stage found it, not from another step's mid

@@ -260,7 +260,7 @@ class Refusals(Program):
 @unittest.skipUnless(LONG, "only in the long form")
 class Pile(Program):
     def test_a_million_grains(self):
-        scene = self.scene("million.toml", box(4096.0, 128.0, side=16.0).replace("duration = 0.5", "duration = 0.125"))
+        scene = self.scene("million.toml", box(4096.0, 144.0, side=16.0).replace("duration = 0.5", "duration = 0.125"))
         # Not settled: a bed as deposited, pushed for ten steps.
         text = re.sub(r'\[\[stages\]\]\nname = "settle"\n.*\n', "", scene.read_text())
         scene.write_text(text.replace("during_run = true, ", ""))

@@ -80,6 +80,42 @@ TEST(Speeds, Wall) {
     }
 }
 
+/// One hits a second that hits a third in the same step. An inelastic contact is foreseen from its gap; one with e > 0 acts
+/// only on who approached when the step began, so that the second may run into the third, and through it if strides are
+/// long: that is refused.
+TEST(Speeds, OneBehindTheOther) {
+    for (const double e : {0.0, 0.5, 1.0}) {
+        for (const double stride : {0.1, 0.5, 1.0, 3.0, 10.0}) {
+            double deepest = 0;
+            int refused = 0, runs = 0;
+            for (int phase = 0; phase < 10; ++phase) {
+                for (const double gap : {0.0, 0.1, 1.0}) {
+                    const double speed = 1000, first = (2.2 + 1.3 * stride + 0.1 * phase * stride) * r;
+                    SceneBuilder b(0, e);
+                    b.gravity(0, 0)
+                        .grain(r, {0, 0}, {speed, 0})
+                        .grain(r, {first, 0})
+                        .grain(r, {first + 2 * r + gap * r, 0});
+                    allow(b, stride * r, r);
+                    b.stage(solver(stride * r / speed, 200));
+                    SerialRun run(b.scene());
+                    const auto said = run_or_refusal(
+                        run, 20, [&] { deepest = std::max(deepest, overlaps(run.simulation()).largest); });
+                    ++runs;
+                    refused += said.empty() ? 0 : 1;
+                    EXPECT_NEAR(momentum(run)[0], disk_mass(r) * speed, 1e-9 * disk_mass(r) * speed);
+                    if (said.empty()) {
+                        EXPECT_LT(run.grain(0).x[0], run.grain(1).x[0]) << stride << ", e " << e;
+                        EXPECT_LT(run.grain(1).x[0], run.grain(2).x[0]) << stride << ", e " << e;
+                    }
+                }
+            }
+            found("one behind the other", e, stride, digits(deepest), fmt::format("{} of {}", refused, runs));
+            EXPECT_TRUE(e > 0 || (refused == 0 && deepest < 1e-9)) << stride;
+        }
+    }
+}
+
 /// A bullet a thousandth of the other's size, hundreds of its own radii a step.
 TEST(Speeds, BulletAgainstALargeDisk) {
     for (const double size : decades(1, 1000)) {

@@ -61,7 +61,9 @@ TEST(Radii, LargeOnSmall) {
             const auto scene = cushion("large on two", ratio, 2, size);
             const auto step = solve_cold(scene, solver(h, static_cast<int>(100 + 50 * size + 20 * ratio)));
             found("radii", digits(size), digits(ratio), step.sweeps, digits(step.residual), digits(step.force_error));
-            EXPECT_LE(step.force_error, scene.factor * step.residual + 1e-7) << size;
+            // A sweep that would change less than round-off changes nothing: that hides eps x ratio of a residual.
+            const double hidden = 1e-9 + 2.2e-16 * ratio * scene.factor;
+            EXPECT_LE(step.force_error, scene.factor * step.residual + hidden) << size;
             EXPECT_LE(step.residual, 1e-4) << size;
         }
     }
