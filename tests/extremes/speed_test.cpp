@@ -103,8 +103,8 @@ TEST(Speeds, OneBehindTheOther) {
                         run, 20, [&] { deepest = std::max(deepest, overlaps(run.simulation()).largest); });
                     ++runs;
                     refused += said.empty() ? 0 : 1;
-                    EXPECT_NEAR(momentum(run)[0], disk_mass(r) * speed, 1e-9 * disk_mass(r) * speed);
                     if (said.empty()) {
+                        EXPECT_NEAR(momentum(run)[0], disk_mass(r) * speed, 1e-9 * disk_mass(r) * speed);
                         EXPECT_LT(run.grain(0).x[0], run.grain(1).x[0]) << stride << ", e " << e;
                         EXPECT_LT(run.grain(1).x[0], run.grain(2).x[0]) << stride << ", e " << e;
                     }
