@@ -135,6 +135,9 @@ void Recorder::write_row(std::int64_t step, double time) {
                                  : std::numeric_limits<double>::quiet_NaN();
     overlaps_ = overlaps(simulation_);
     largest_overlap_ = std::max(largest_overlap_, overlaps_.largest);
+    if (const auto& of_last = simulation_.last_residual()) {
+        largest_residual_ = std::max(largest_residual_, of_last->largest);
+    }
     if (comm.is_root()) {
         constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
         const auto& residual = simulation_.last_residual();

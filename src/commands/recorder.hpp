@@ -44,7 +44,8 @@ public:
     void finish();
 
     const Overlaps& last_overlaps() const { return overlaps_; }
-    double largest_overlap() const { return largest_overlap_; } ///< of all rows so far
+    double largest_overlap() const { return largest_overlap_; }   ///< of all rows so far
+    double largest_residual() const { return largest_residual_; } ///< likewise, 0 before the first step
     int n_frames() const { return n_frames_; }
 
 private:
@@ -70,6 +71,7 @@ private:
     double initial_kinetic_ = 0; ///< when loading started [J]
     Overlaps overlaps_;
     double largest_overlap_ = 0;
+    double largest_residual_ = 0;
     int n_frames_ = 0;
 };
 

@@ -214,6 +214,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["overlap_max"] = recorder.last_overlaps().largest;
     json["overlap_max_of_rows"] = recorder.largest_overlap();
     json["residual"] = residual ? nlohmann::ordered_json(residual->largest) : nlohmann::ordered_json();
+    json["residual_max_of_rows"] = recorder.largest_residual();
     json["bytes_per_grain"] = bytes_per_grain(features);
     json["bytes_per_contact"] = bytes_per_contact(features);
     json["state_hash"] = hex_digits(hash);
@@ -226,8 +227,9 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
         }
     }
     comm.throw_together<SystemError>(error);
-    progress.info(fmt::format("{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r; state hash {}",
-                              course.steps, course.time, loaded, recorder.largest_overlap(), hex_digits(hash)));
+    progress.info(fmt::format(
+        "{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r, residual {:.3g}; state hash {}", course.steps,
+        course.time, loaded, recorder.largest_overlap(), recorder.largest_residual(), hex_digits(hash)));
     return course.stopped ? ExitCode::stopped_early : ExitCode::done;
 }
 

@@ -70,6 +70,7 @@ class Files(NappeTest):
         for key, column in (("overlap_mean",) * 2, ("overlap_max",) * 2, ("residual",) * 2, ("contacts",) * 2):
             self.assertEqual(summary[key], last[column], key)
         self.assertEqual(summary["overlap_max_of_rows"], max(self.fold.series("solver")["overlap_max"]))
+        self.assertEqual(summary["residual_max_of_rows"], max(self.fold.series("solver")["residual"][1:]))
         self.assertEqual(summary["sweeps"], 60 * 10)
 
     def documented(self, section, file=None):

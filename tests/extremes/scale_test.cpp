@@ -40,7 +40,7 @@ TEST(Scales, StepOfAFall) {
         SerialRun run(b.scene());
         const auto said = run_or_refusal(run, static_cast<std::int64_t>(std::ceil(3 / h)));
         const double overlap = (0.5 - run.grain(0).x[1]) / 0.5;
-        found("fall", digits(h), said.empty() ? digits(overlap) : "refused", said);
+        found("fall", digits(h), said.empty() ? digits(overlap) : "refused");
         EXPECT_TRUE(said.empty() || said.find("farther than tiles allow") != std::string::npos) << said;
         if (said.empty()) {
             // It comes down with 10 m/s, 10 m/s x h a step, and is stopped where a linear gap closes: a flat floor's is.

@@ -34,8 +34,10 @@ TEST(ClosingWalls, AreADiagnosis) {
                     std::int64_t steps = 0;
                     const auto said = run_or_refusal(run, most, [&] { ++steps; });
                     const bool passed = said.find("came into the other") != std::string::npos;
-                    found("closing walls", digits(speed), n, sweeps, tolerance ? "1e-4" : "none", steps,
-                          said.empty() ? "nothing" : (passed ? "through a grain" : "through a wall"));
+                    if (!tolerance) {
+                        found("closing walls", digits(speed), n, sweeps, steps,
+                              said.empty() ? "nothing" : (passed ? "through a grain" : "through a wall"));
+                    }
                     EXPECT_NE(said.find("grain"), std::string::npos) << speed << ": nothing was said in " << steps;
                     EXPECT_TRUE(said.find("went through") != std::string::npos ||
                                 said.find("farther than tiles allow") != std::string::npos)

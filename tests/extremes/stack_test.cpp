@@ -55,8 +55,8 @@ TEST(Radii, LargeOnSmall) {
     for (const double size : decades(1, 1000, long_form() ? 2 : 10)) {
         for (const bool equal_masses : {true, false}) {
             const double ratio = equal_masses ? 1 : size * size;
-            if (ratio > 1e4 && !long_form()) {
-                continue; // Gauss-Seidel takes 20 sweeps times the ratio
+            if ((ratio > 1e4 && !long_form()) || (size == 1 && !equal_masses)) {
+                continue; // Gauss-Seidel takes 20 sweeps times the ratio; at size 1 both are one
             }
             const auto scene = cushion("large on two", ratio, 2, size);
             const auto step = solve_cold(scene, solver(h, static_cast<int>(100 + 50 * size + 20 * ratio)));

@@ -25,12 +25,12 @@ HEADS = {
     "box": ["mu", "e", "energy at the end", "largest", "largest gain in a step", "refused"],
     "cohesion": ["gamma [N]", "largest overlap / r", "spread / 2 r", "energy gained / (gamma d_w)", "refused"],
     "steps": ["h [s]", "overlap / r", "force error", "refused"],
-    "fall": ["h [s]", "overlap / r", "refused"],
+    "fall": ["h [s]", "overlap / r"],
     "gravity": ["g [m/s²]", "h [s]", "overlap / r", "force error", "refused"],
     "density": ["density [kg/m³]", "residual", "force error"],
     "near miss": ["distance / 2 r", "radii per step", "speed lost"],
     "one behind the other": ["e", "radii per step", "largest overlap / r", "refused"],
-    "closing walls": ["speed of each [m/s]", "disks", "sweeps", "tolerance", "steps done", "told"],
+    "closing walls": ["speed of each [m/s]", "disks", "sweeps", "steps done", "told"],
     "line": ["e", "phase", "v of the first", "second", "third"],
     "crystal": ["mu", "sum of wall forces along x / weight", "along y - 1", "moved / r"],
     "rest": ["steps", "moved / r", "turned [rad]", "kinetic [J]"],
@@ -72,6 +72,7 @@ def markdown(head, rows):
     # A last column in which no row says anything is left out.
     while head and all(not row[len(head) - 1 :] or not row[len(head) - 1] for row in rows):
         head = head[:-1]
+    rows = [row + [""] * (len(head) - len(row)) for row in rows]
     lines = ["| " + " | ".join(head) + " |", "| " + " | ".join("---" for _ in head) + " |"]
     return "\n".join(lines + ["| " + " | ".join(row[: len(head)]) + " |" for row in rows])
 
