@@ -35,7 +35,6 @@ void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& 
             target = value;
         }
     };
-    const bool counted = solver_table.has("sweeps") && !solver_table.has("tolerance");
     switch (accuracy) {
     case Accuracy::fast:
         say("substeps", solver.substeps, 4);
@@ -50,11 +49,9 @@ void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& 
         break;
     case Accuracy::tight:
         say("method", solver.method, SolverSettings::Method::ansgs);
-        if (!counted) {
-            say("sweeps", solver.sweeps, 20);
-            say("tolerance", solver.tolerance, 1e-4);
-            say("max_sweeps", solver.max_sweeps, 20000);
-        }
+        say("sweeps", solver.sweeps, 20);
+        say("tolerance", solver.tolerance, 1e-4);
+        say("max_sweeps", solver.max_sweeps, 20000);
         say("position_correction", solver.position_correction, 0.2);
         break;
     }

@@ -27,6 +27,7 @@ struct ColdStep {
     int sweeps = 0;
     double residual = 0;    ///< largest, over V = h g
     double force_error = 0; ///< largest of the known forces', over the weight
+    bool converged = true;  ///< as the solver says, if it had a tolerance
 };
 
 inline constexpr double light_radius = 0.37;  ///< [m]; no binary fraction, so that gaps have round-off
@@ -146,7 +147,7 @@ inline ColdStep solve_cold(const HeavyScene& heavy, const SolverSettings& settin
     SerialRun run(scene);
     run.steps(1, true);
     return {run.simulation().last_sweeps(), run.simulation().last_residual()->largest,
-            force_error(run, heavy, settings.h / settings.substeps)};
+            force_error(run, heavy, settings.h / settings.substeps), run.simulation().counters().unconverged == 0};
 }
 
 } // namespace nappe::test

@@ -36,6 +36,40 @@ TEST(Heavy, ForcesAgainstStatics) {
     }
 }
 
+struct NamedMethod {
+    const char* name;
+    SolverSettings::Method method;
+};
+
+/// Every solver is asked the same: how many sweeps to a residual of 1e-8, and what the forces are worth then. What bounds
+/// the force error knows nothing of how a residual was reached.
+TEST(Heavy, EverySolver) {
+    using Method = SolverSettings::Method;
+    for (const auto& [name, method] : {NamedMethod{"nsgs", Method::nsgs},
+                                       {"ansgs", Method::ansgs},
+                                       {"nncg", Method::nncg},
+                                       {"apgd", Method::apgd},
+                                       {"cpg", Method::cpg}}) {
+        for (const double ratio : decades(1, 1e6, long_form() ? 10 : 1000)) {
+            for (const auto& scene : heavy_scenes(ratio)) {
+                auto settings = solver(h, 10);
+                settings.method = method;
+                settings.tolerance = 1e-8;
+                settings.max_sweeps = long_form() ? 100'000 : 10'000;
+                const auto step = solve_cold(scene, settings);
+                found("solvers", name, scene.name, digits(ratio), step.sweeps, digits(step.residual),
+                      digits(step.force_error), step.converged ? "converged" : "");
+                ASSERT_TRUE(std::isfinite(step.residual) && std::isfinite(step.force_error)) << name << scene.name;
+                EXPECT_TRUE(step.converged || step.sweeps >= settings.max_sweeps) << name << ", " << scene.name;
+                // A check acts four sweeps later: a residual that does not fall steadily may be above it again by then.
+                EXPECT_LE(step.converged ? step.residual : 0.0, 10 * *settings.tolerance) << name << ", " << scene.name;
+                EXPECT_LE(step.force_error, scene.factor * step.residual + round_off)
+                    << name << ", " << scene.name << ", " << ratio;
+            }
+        }
+    }
+}
+
 /// Two contacts, floor and heavy: a sweep leaves the share 1/((1/m)^-1 (1/m + 1/M)) = 1/(1 + m/M) of the error in the
 /// force between the two, whichever comes first. So a ratio q takes q ln(10) sweeps a decade, cold.
 TEST(Heavy, SweepsOfGaussSeidelGrowWithTheRatio) {

@@ -92,6 +92,17 @@ def heavy(rows):
     return markdown(head, body)
 
 
+def solvers(rows):
+    """Scene and ratio down, solvers across: sweeps, or the residual where they ran out, and the force error."""
+    methods = list(dict.fromkeys(row[0] for row in rows))
+    cells = {}
+    for method, scene, ratio, sweeps, residual, error, converged in rows:
+        told = sweeps if converged else f"({residual})"
+        cells.setdefault((scene, ratio), {})[method] = f"{told}, {error}"
+    head = ["scene", "mass ratio", *methods]
+    return markdown(head, [[*key, *(found.get(m, "") for m in methods)] for key, found in cells.items()])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
@@ -102,7 +113,8 @@ def main():
     tables, failed = collect(options.build.resolve(), options.long, [s for s in options.only.split(",") if s])
     page = options.write.read_text() if options.write else ""
     for name, rows in tables.items():
-        text = heavy(rows) if name == "heavy" else markdown(HEADS[name], rows)
+        pivots = {"heavy": heavy, "solvers": solvers}
+        text = pivots[name](rows) if name in pivots else markdown(HEADS[name], rows)
         if not options.write:
             print(f"\n{name}\n\n{text}")
             continue
