@@ -14,8 +14,8 @@ struct Features {
     bool turning = true;        ///< some grain may turn: there is friction, or a spin is given
     bool cells = true;          ///< sets of grains are marked when loading starts
     bool layers = true;         ///< grains are of more than one layer
-    bool kept_gaps = true;   ///< normals serve for several substeps, or positions are corrected
-    bool correction = true;  ///< positions are corrected
+    bool kept_gaps = true;      ///< normals serve for several substeps, or positions are corrected
+    bool correction = true;     ///< positions are corrected
     bool driven_walls = true;
     int impulses_kept = 2;   ///< by the method that keeps most from sweep to sweep: so many of every contact
     int velocities_kept = 2; ///< and of every body

@@ -95,7 +95,7 @@ struct SolverSettings {
     /// What becomes of a step that is not within the tolerance after max_sweeps: counted as unconverged and accepted, or
     /// NumericalFailure.
     AtMax at_max = AtMax::accept;
-    int check_every = 10;   ///< sweeps between two checks of the tolerance
+    int check_every = 10; ///< sweeps between two checks of the tolerance
     /// Share of V below which a tile's changes do not matter: it is left alone until its surroundings change (nsgs only).
     std::optional<double> adaptive;
     int geometry_every = 1; ///< substeps that normals serve for; no more than the substeps of a step

@@ -110,10 +110,11 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
                        accuracy);
     SolverSettings loading_base = base;
     if (solver && accuracy) {
-        choose(*accuracy, *solver, loading_base);
+        const bool rebounds =
+            std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& law) { return law.restitution > 0; });
+        choose(*accuracy, rebounds, *solver, loading_base);
     }
     if (solver) {
-        check_solver(*solver, base);
         check_solver(*solver, loading_base);
     }
     const auto stages = top.tables("stages", "[[stages]]", "write [[stages]]");

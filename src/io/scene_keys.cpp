@@ -9,8 +9,8 @@ namespace nappe::scene_file {
 const std::vector<TableKeys>& all_keys() {
     static const std::vector<TableKeys> keys = {
         {"top level",
-         {"title", "accuracy", "world", "materials", "laws", "sample", "grains", "walls", "stages", "solver", "tiles", "balance",
-          "output"}},
+         {"title", "accuracy", "world", "materials", "laws", "sample", "grains", "walls", "stages", "solver", "tiles",
+          "balance", "output"}},
         {"[world]", {"dimension", "gravity", "origin"}},
         {"[materials.NAME]", {"density", "gamma", "d_w"}},
         {"[[laws]]", {"between", "type", "friction", "restitution", "gamma", "d_w"}},
@@ -23,7 +23,8 @@ const std::vector<TableKeys>& all_keys() {
         {"[[stages]]", {"name", "until", "duration", "solver"}},
         {"stages.until", {"kinetic", "residual", "at_most"}},
         {"[solver]",
-         {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps", "geometry_every", "adaptive", "position_correction", "warm_start", "at_max"}},
+         {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps", "geometry_every",
+          "adaptive", "position_correction", "warm_start", "at_max"}},
         {"[tiles]", {"side", "skin", "lookahead"}},
         {"[balance]", {"threshold", "every", "by", "moves"}},
         {"[output]", {"frames", "series", "cells", "front_bin", "measures", "zone"}},

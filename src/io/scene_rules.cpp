@@ -39,6 +39,20 @@ const Material& material(const Scene<2>& scene, int index) {
     return scene.materials[static_cast<std::size_t>(index)];
 }
 
+/// A rebound is due to the velocity at the start of a substep: gaps that are only carried on do not tell when.
+void check_kept_geometry(const Scene<2>& scene, Problems& problems) {
+    const bool rebounds =
+        std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& law) { return law.restitution > 0; });
+    for (const auto& stage : scene.stages) {
+        if (rebounds && stage.solver.geometry_every > 1) {
+            problems.add("solver.geometry_every",
+                         fmt::format("must be 1 where a law has restitution, found {} in stage '{}'; leave it out",
+                                     stage.solver.geometry_every, stage.name));
+            return;
+        }
+    }
+}
+
 /// Grains weigh something, and every pair of materials that can meet has a law.
 void check_materials(const Scene<2>& scene, Problems& problems) {
     std::set<int> of_grains;
@@ -279,6 +293,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     }
     const Radii radii = radii_of(scene);
     check_materials(scene, problems);
+    check_kept_geometry(scene, problems);
     check_wall_points(scene, problems);
     check_tiles(scene, radii, problems);
     check_extent(scene, radii, problems);

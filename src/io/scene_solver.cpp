@@ -29,7 +29,7 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
                between(0, 1, "", "give the share of each overlap to take away, 0.2 is usual"));
 }
 
-void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& solver) {
+void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, SolverSettings& solver) {
     const auto say = [&](const char* key, auto& target, auto value) {
         if (!solver_table.has(key)) {
             target = value;
@@ -38,12 +38,12 @@ void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& 
     switch (accuracy) {
     case Accuracy::fast:
         say("substeps", solver.substeps, 4);
-        say("geometry_every", solver.geometry_every, 4);
+        say("geometry_every", solver.geometry_every, rebounds ? 1 : 4);
         say("adaptive", solver.adaptive, 1e-2);
         break;
     case Accuracy::balanced:
         say("substeps", solver.substeps, 10);
-        say("geometry_every", solver.geometry_every, 10);
+        say("geometry_every", solver.geometry_every, rebounds ? 1 : 10);
         say("adaptive", solver.adaptive, 3e-3);
         say("position_correction", solver.position_correction, 0.2);
         break;
@@ -58,7 +58,8 @@ void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& 
 }
 
 void check_solver(const TableReader& table, const SolverSettings& solver) {
-    if (solver.adaptive && solver.method != SolverSettings::Method::nsgs) {
+    const bool either = table.has("adaptive") || table.has("method");
+    if (either && solver.adaptive && solver.method != SolverSettings::Method::nsgs) {
         table.problem(table.has("adaptive") ? "adaptive" : "method", "must be absent unless method = \"nsgs\"",
                       "the other methods move all impulses on together; remove adaptive");
     }

@@ -10,9 +10,9 @@ namespace nappe::scene_file {
 void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed);
 
 /// What a named accuracy (top-level key `accuracy`) chooses where the file's own [solver] says nothing. docs/accuracy.md has
-/// what each costs and is worth.
+/// what each costs and is worth. @param rebounds whether some law has restitution: then normals are never kept. Local.
 enum class Accuracy { fast, balanced, tight };
-void choose(Accuracy accuracy, const TableReader& solver_table, SolverSettings& solver);
+void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, SolverSettings& solver);
 
 /// Rules between keys, told at a table that takes part in the matter. Local.
 void check_solver(const TableReader& table, const SolverSettings& solver);

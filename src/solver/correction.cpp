@@ -5,8 +5,9 @@
 // for displacements h w that take away a share of each overlap and make none: w_n + b' >= 0, b' = share g/h where the step
 // ends with g < 0, else g/h; w starts from rest and is forgotten after it has moved the grains. Velocities, and with them
 // the kinetic energy, do not see it. What it changes is the potential energy: - sum m g·(h w). That is paid for: in no step
-// may it be more than contacts have dissipated in the same step, or all displacements are scaled down to that. So grains,
-// walls' work aside, never gain energy, and at rest, where nothing is dissipated, nothing is lifted.
+// may it be more than contacts have dissipated in the same step, or all displacements are scaled down to that. So in no
+// step do grains gain energy by it, and at rest, where nothing is dissipated, nothing is lifted. (What too few sweeps give
+// back in a later step, as an elastic body would, is the sweeps' own affair: then nothing is lifted either.)
 
 #include "solver/simulation.hpp"
 
@@ -43,7 +44,7 @@ void Simulation<D>::correct_positions(double h, int sweeps) {
             w.v[d] *= factor;
         }
     }
-    correction_work_ += factor * lifted;
+    lift_ = factor * lifted;
 }
 
 /// What contacts took from the grains in this step [J]: the work of gravity and of walls that did not become kinetic

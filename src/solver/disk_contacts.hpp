@@ -231,8 +231,8 @@ private:
     SearchBatch* memory(std::size_t which, std::size_t tile) { return memory_[which].data() + ranges_[tile].begin; }
     BatchSpan span(const Range& range) {
         const auto from = [&](auto& side) { return side.empty() ? nullptr : side.data() + range.begin; };
-        return {batches_.data() + range.begin, range.n, from(tangent_), from(friction_), from(cohesion_),
-                laws_.uniform_friction, from(kept_gaps_)};
+        return {batches_.data() + range.begin, range.n,         from(tangent_), from(friction_), from(cohesion_),
+                laws_.uniform_friction,        from(kept_gaps_)};
     }
     /// The tangential impulse of a lane [N s].
     double tangential(std::int64_t batch, std::int64_t l) const {
@@ -300,7 +300,7 @@ private:
     std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless keeps_gaps_
     std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
     bool keeps_gaps_ = false;
-    int kept_ = 1;                                   ///< substeps that normals serve for
+    int kept_ = 1; ///< substeps that normals serve for
     bool cohesive_ = false;
     std::vector<std::int32_t> source_; ///< candidate of every lane, -1 for null contacts
     std::vector<Range> ranges_;        ///< of every tile

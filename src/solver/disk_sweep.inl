@@ -144,12 +144,14 @@ NAPPE_INLINE auto by_law(const BatchSpan& batches, const Pass& pass) {
 }
 
 void relax(const BatchSpan& batches, double* u, BodyRange soon) {
-    by_law(batches, [&]<Friction friction, bool cohesive>() { relax_all<friction, cohesive, false>(batches, u, soon); });
+    by_law(batches,
+           [&]<Friction friction, bool cohesive>() { relax_all<friction, cohesive, false>(batches, u, soon); });
 }
 
 double relax_watched(const BatchSpan& batches, double* u, BodyRange soon) {
-    return by_law(batches,
-                  [&]<Friction friction, bool cohesive>() { return relax_all<friction, cohesive, true>(batches, u, soon); });
+    return by_law(batches, [&]<Friction friction, bool cohesive>() {
+        return relax_all<friction, cohesive, true>(batches, u, soon);
+    });
 }
 
 void apply(const BatchSpan& batches, double* u) {

@@ -3,6 +3,8 @@
 namespace nappe {
 
 extern const DiskKernels disk_kernels_portable;
-const DiskKernels disk_kernels_portable{"portable", relax, relax_ahead, relax_along, project, gradient, turn, go_along, apply, refresh, advance, begin_correction, relax_watched, gaps};
+const DiskKernels disk_kernels_portable{"portable",    relax,    relax_ahead, relax_along, project, gradient,
+                                        turn,          go_along, apply,       refresh,     advance, begin_correction,
+                                        relax_watched, gaps};
 
 } // namespace nappe

@@ -20,16 +20,16 @@ namespace nappe {
 
 /// Counted since the sample was loaded; per rank unless it says global.
 struct Counters {
-    std::int64_t steps = 0;        ///< global
-    std::int64_t relaxations = 0;  ///< contacts relaxed, padding not counted
-    std::int64_t sweeps = 0;       ///< global
-    std::int64_t rebuilds = 0;     ///< global
-    std::int64_t redone_lists = 0; ///< global: steps redone since a grain outran its margin
+    std::int64_t steps = 0;         ///< global
+    std::int64_t relaxations = 0;   ///< contacts relaxed, padding not counted
+    std::int64_t sweeps = 0;        ///< global
+    std::int64_t rebuilds = 0;      ///< global
+    std::int64_t redone_lists = 0;  ///< global: steps redone since a grain outran its margin
     std::int64_t redone_groups = 0; ///< global: groups of substeps redone with a geometry each
-    std::int64_t redone_packs = 0; ///< global: steps redone since a contact left out came to act
-    std::int64_t reductions = 0;   ///< global: sums that methods waited for
-    std::int64_t unconverged = 0;  ///< global: steps that reached max_sweeps
-    std::int64_t rebalanced = 0;   ///< global
+    std::int64_t redone_packs = 0;  ///< global: steps redone since a contact left out came to act
+    std::int64_t reductions = 0;    ///< global: sums that methods waited for
+    std::int64_t unconverged = 0;   ///< global: steps that reached max_sweeps
+    std::int64_t rebalanced = 0;    ///< global
 };
 
 /// Bits that ranks agree on at the end of every step by one Allreduce.
@@ -174,7 +174,9 @@ private:
     Passage passage_;        ///< this rank's, of the step in hand
     double impulse_h_ = 0;   ///< step [s] whose impulses the candidates hold: forces are kept where h changes
     std::uint32_t agreed_ = 0;
-    std::vector<BodyVelocity<D>> correction_; ///< displacements of the step over h; empty unless positions are corrected
+    std::vector<BodyVelocity<D>>
+        correction_; ///< displacements of the step over h; empty unless positions are corrected
+    double lift_ = 0; ///< potential energy that they cost [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;

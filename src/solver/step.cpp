@@ -90,6 +90,7 @@ void Simulation<D>::end_substep(double h) {
     }
     integrate(h);
     if (settings().position_correction > 0) {
+        correction_work_ += lift_;
         for (LocalId i = 0; i < state_.n_held(); ++i) {
             for (int d = 0; d < D; ++d) {
                 state_.x[i][d] += h * correction_[i].v[d];

@@ -48,8 +48,8 @@ struct Simulation<D>::Before {
 template <int D>
 bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual) {
     begin_substep(h);
-    const Before before{state_.x, state_.u, state_.rotation, walls_.offset, walls_.v_old, sums_, energy_, stage_substeps_,
-                        correction_work_};
+    const Before before{state_.x, state_.u, state_.rotation, walls_.offset,   walls_.v_old,
+                        sums_,    energy_,  stage_substeps_, correction_work_};
     predict(h);
     const PackFaults faults = detect(h, false);
     for (int k = 1; k <= n; ++k) {

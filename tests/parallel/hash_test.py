@@ -129,6 +129,25 @@ class SameBits(NappeTest):
         for _, run in self.runs(FOLD, (2, 3, 5, 7), *keys):
             self.assertGreater(len(set(run.series("solver")["sweeps"][1:])), 1, "the tolerance never acted")
 
+    def test_methods_that_look_back(self):
+        # Their momentum hangs on sums over all contacts of all ranks.
+        for method, ranks in (("ansgs", (2, 3, 5, 7)), ("nncg", (5, 2, 7, 3)), ("apgd", (3, 5, 2, 7)), ("cpg", (7, 5, 3, 2))):
+            keys = sets(stages__push__solver__method=method, stages__push__solver__sweeps=25)
+            for _, run in self.runs(FOLD, ranks, "--steps", "20", *keys):
+                self.assertGreater(run.summary["reductions"], 0)
+
+    def test_quiet_tiles_kept_geometry_and_corrected_positions(self):
+        keys = sets(
+            stages__push__solver__adaptive=1e-2,
+            stages__push__solver__substeps=4,
+            stages__push__solver__geometry_every=4,
+            stages__push__solver__position_correction=0.2,
+        )
+        for _, run in self.runs(FOLD, (2, 3, 5, 7), *keys):
+            full = run.summary["sweeps"] * run.summary["candidates"]
+            self.assertLess(run.summary["relaxations"], 0.8 * full, "no tile was left alone: the case is too easy")
+            self.assertGreater(run.summary["correction_work"], 0)
+
     def test_sample_made_on_five_ranks_is_used_on_two(self):
         one = self.run_scene(FOLD, ranks=1, out="out-1", samples="samples-1")
         self.run_scene(FOLD, "--steps", "1", "--kernel", KERNELS[0], ranks=5, out="out-5", samples="samples-5")
