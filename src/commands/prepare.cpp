@@ -74,7 +74,7 @@ void settle(Simulation<2>& simulation, int stage, Progress& progress, const vola
 
 } // namespace
 
-SampleOrigin sample_origin(const Scene<2>& scene) {
+SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
     // Of tiles, in the scene's own coordinates: a sample is the same wherever its scene lies.
     std::string text = fmt::format("gravity [{}, {}] origin [0, 0]\n", scene.gravity[0], scene.gravity[1]);
     for (const auto& m : scene.materials) {
@@ -108,6 +108,13 @@ SampleOrigin sample_origin(const Scene<2>& scene) {
                 text += fmt::format("adaptive {} geometry every {} correction {}\n", s.adaptive.value_or(0.0),
                                     s.geometry_every, s.position_correction);
             }
+            if (s.coupling == SolverSettings::Coupling::sweep && n_ranks > 1) { // follows who owns which tiles
+                text += fmt::format("coupled by sweep on {} ranks, balance {} every {}\n", n_ranks,
+                                    scene.balance.threshold, scene.balance.every);
+            }
+            if (s.precision == SolverSettings::Precision::single) {
+                text += "swept in single precision\n";
+            }
             if (!s.warm_start) {
                 text += "cold\n";
             }
@@ -133,7 +140,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
     const int last = n_settling > 0 ? n_settling - 1 : 0;
     const auto& solver = scene.stages[static_cast<std::size_t>(last)].solver;
     const double h = solver.h / solver.substeps;
-    const auto origin = sample_origin(scene);
+    const auto origin = sample_origin(scene, comm.size());
     if (n_settling > 0) {
         const auto found = load_sample<2>(comm, store, origin);
         if (found.sample) {

@@ -15,7 +15,8 @@ namespace nappe {
 inline constexpr std::int64_t physics_revision = 3;
 
 /// Everything of a scene that its settled sample depends on, in one canonical text. Local.
-SampleOrigin sample_origin(const Scene<2>& scene);
+/// @param n_ranks those it is made on: part of the text if the sample depends on it (solver.coupling)
+SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks = 1);
 
 struct Preparation {
     bool reused = false;           ///< the sample came from the store

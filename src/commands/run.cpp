@@ -147,6 +147,11 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
                     scene.title, comm.size(), features.friction ? "Coulomb" : "no",
                     features.restitution ? "Newton" : "no", features.cohesion ? "Lennard-Jones" : "no", kernels.name,
                     kernel_variant(features), bytes_per_grain(features), bytes_per_contact(features)));
+    if (couples_by_sweep(scene) && comm.size() > 1) {
+        progress.warning(fmt::format("solver.coupling = \"sweep\": the result holds for {} ranks; on another number of "
+                                     "ranks it differs",
+                                     comm.size()));
+    }
     Preparation preparation;
     try {
         preparation = prepare(simulation, options.samples, progress, signal_caught);
@@ -176,6 +181,8 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["title"] = scene.title;
     json["scene"] = scene.text;
     json["ranks"] = comm.size();
+    json["coupling"] = couples_by_sweep(scene) ? "sweep" : "colour";
+    json["rank_independent"] = !couples_by_sweep(scene);
     json["grains"] = simulation.domain().n_grains();
     json["mass"] = simulation.total_mass();
     json["contacts"] = recorder.last_overlaps().contacts;

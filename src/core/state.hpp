@@ -16,11 +16,12 @@ namespace nappe {
 /// What the sweep reads and writes of a body, one 256-bit load in the plane. `s` is the speed of the rim, radius x spin
 /// [m/s]: with it no lever arm is needed in the kernel. `inv_m` is 1/mass [1/kg], 0 for what does not move.
 /// 32 bytes in the plane. (Rejected: separate arrays per component — four cache lines a body instead of half of one.)
-template <int D>
-struct alignas(32) BodyVelocity {
-    std::array<double, D> v{};
-    std::array<double, n_spin<D>> s{};
-    double inv_m = 0;
+/// With Real = float 16 bytes: what a sweep in single precision works on.
+template <int D, class Real = double>
+struct alignas(4 * sizeof(Real)) BodyVelocity {
+    std::array<Real, D> v{};
+    std::array<Real, n_spin<D>> s{};
+    Real inv_m = 0;
 };
 
 /// Where a body stands when contacts are detected, and its radius: one 256-bit load in the plane. Bodies of walls have

@@ -24,7 +24,7 @@ const std::vector<TableKeys>& all_keys() {
         {"stages.until", {"kinetic", "residual", "at_most"}},
         {"[solver]",
          {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps", "geometry_every",
-          "adaptive", "position_correction", "warm_start", "at_max"}},
+          "adaptive", "position_correction", "warm_start", "at_max", "coupling", "precision"}},
         {"[tiles]", {"side", "skin", "lookahead"}},
         {"[balance]", {"threshold", "every", "by", "moves"}},
         {"[output]", {"frames", "series", "cells", "front_bin", "measures", "zone"}},

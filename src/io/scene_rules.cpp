@@ -284,6 +284,25 @@ void check_zone(const Scene<2>& scene, Problems& problems) {
     }
 }
 
+/// Coupled once a sweep, results depend on who owns what, so no clock may have a part in it.
+void check_coupling(const Scene<2>& scene, Problems& problems) {
+    if (!couples_by_sweep(scene)) {
+        return;
+    }
+    const auto refuse = [&](const char* key, const char* wanted, const char* found) {
+        problems.add(
+            key, fmt::format("must be \"{}\" with solver.coupling = \"sweep\", found \"{}\": results then depend on "
+                             "who owns which tiles; set balance.by = \"work\" and balance.moves = \"always\"",
+                             wanted, found));
+    };
+    if (scene.balance.by != BalanceSettings::By::work) {
+        refuse("balance.by", "work", "time");
+    }
+    if (scene.balance.moves != BalanceSettings::Moves::always) {
+        refuse("balance.moves", "always", "when_it_pays");
+    }
+}
+
 } // namespace
 
 void check_rules(const Scene<2>& scene, Problems& problems) {
@@ -302,6 +321,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     }
     check_single_grains(scene, problems);
     check_zone(scene, problems);
+    check_coupling(scene, problems);
 }
 
 } // namespace nappe::scene_file

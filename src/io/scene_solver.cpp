@@ -4,6 +4,27 @@
 
 namespace nappe::scene_file {
 
+namespace {
+
+/// What only the plain sweep of nsgs has: `key` is something else than its default, `asked` in words.
+void refuse_beside_other_sweeps(const TableReader& table, const char* key, const char* usual, const char* asked,
+                                const SolverSettings& solver) {
+    const bool of_method = solver.method != SolverSettings::Method::nsgs;
+    if (!of_method && !solver.adaptive) {
+        return;
+    }
+    const auto remedy = fmt::format("remove {} = {}, or use nsgs without adaptive", key, asked);
+    if (table.has(key) || !table.has(of_method ? "method" : "adaptive")) {
+        table.problem(key, fmt::format("must be {} unless method = \"nsgs\" and adaptive is absent", usual), remedy);
+    } else if (of_method) {
+        table.problem("method", fmt::format("must be \"nsgs\" with {} = {}", key, asked), remedy);
+    } else {
+        table.problem("adaptive", fmt::format("must be absent with {} = {}", key, asked), remedy);
+    }
+}
+
+} // namespace
+
 void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed) {
     using Method = SolverSettings::Method;
     read_choice<Method>(table, "method",
@@ -22,6 +43,18 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     table.read("substeps", solver.substeps, {1, "give the number of parts of a step"});
     table.read("geometry_every", solver.geometry_every, {1, "give the substeps that normals serve for"});
     table.read("adaptive", solver.adaptive, positive("", "give the share of V below which a tile is left alone"));
+    using Coupling = SolverSettings::Coupling;
+    read_choice<Coupling>(table, "coupling", {{"colour", Coupling::colour}, {"sweep", Coupling::sweep}},
+                          solver.coupling);
+    using Precision = SolverSettings::Precision;
+    read_choice<Precision>(table, "precision", {{"double", Precision::full}, {"single", Precision::single}},
+                           solver.precision);
+    if (solver.coupling != Coupling::colour) {
+        refuse_beside_other_sweeps(table, "coupling", "\"colour\"", "\"sweep\"", solver);
+    }
+    if (solver.precision != Precision::full) {
+        refuse_beside_other_sweeps(table, "precision", "\"double\"", "\"single\"", solver);
+    }
     table.read("warm_start", solver.warm_start, "false starts every step without impulses");
     using AtMax = SolverSettings::AtMax;
     read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);

@@ -23,6 +23,23 @@ void start_all(std::span<MPI_Request> requests) {
     }
 }
 
+/// value(c) becomes number c of what travels of a body.
+template <int D, class Real, class Value>
+void put(BodyVelocity<D, Real>& body, Value&& value) {
+    for (int c = 0; c < D; ++c) {
+        body.v[c] = static_cast<Real>(value(c));
+    }
+    for (int c = 0; c < n_spin<D>; ++c) {
+        body.s[c] = static_cast<Real>(value(D + c));
+    }
+}
+
+/// u += now - before.
+template <int D, class Real>
+void add_change(BodyVelocity<D, Real>& body, const double* now, const double* before) {
+    put<D>(body, [&](int c) { return (c < D ? body.v[c] : body.s[c - D]) + (now[c] - before[c]); });
+}
+
 } // namespace
 
 template <int D>
@@ -59,6 +76,7 @@ template <int D>
 void Halo<D>::build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
                     CandidateSet<D>& candidates) {
     release();
+    by_sweep_ = next_by_sweep_;
     for (auto& tile : candidates.tiles) {
         tile.interface = false;
     }
@@ -150,7 +168,7 @@ void Halo<D>::mark_touched(LocalId n_held, CandidateSet<D>& candidates) {
                          [&](TileKey key) { return std::binary_search(tiles.begin(), tiles.end(), key); })) {
             continue;
         }
-        const auto bit = static_cast<ColourBits>(1u << tile.colour);
+        const auto bit = static_cast<ColourBits>(by_sweep_ ? 1u : 1u << tile.colour);
         const auto touch = [&](LocalId i) {
             if (i < n_held && shared_of_row_[static_cast<std::size_t>(i)] >= 0) {
                 touched_[static_cast<std::size_t>(shared_of_row_[static_cast<std::size_t>(i)])] |= bit;
@@ -241,7 +259,8 @@ void Halo<D>::make_requests() {
 }
 
 template <int D>
-void Halo<D>::start(int colour, const std::vector<BodyVelocity<D>>& u) {
+template <class Real>
+void Halo<D>::start(int colour, const std::vector<BodyVelocity<D, Real>>& u) {
     colour_ = colour;
     if (colour == 0) {
         start_all(receives_.requests);
@@ -264,7 +283,8 @@ void Halo<D>::start(int colour, const std::vector<BodyVelocity<D>>& u) {
 }
 
 template <int D>
-void Halo<D>::finish(std::vector<BodyVelocity<D>>& u) {
+template <class Real>
+void Halo<D>::finish(std::vector<BodyVelocity<D, Real>>& u) {
     const auto requests = receives_.requests_of(colour_);
     if (requests.empty()) {
         return;
@@ -272,9 +292,60 @@ void Halo<D>::finish(std::vector<BodyVelocity<D>>& u) {
     MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
     const double* in = receives_.values_of(colour_);
     for (const LocalId i : receives_.rows_of(colour_)) {
-        std::copy_n(in, D, u[i].v.begin());
-        std::copy_n(in + D, n_spin<D>, u[i].s.begin());
+        put<D>(u[i], [&](int k) { return in[k]; });
         in += n_values;
+    }
+}
+
+template <int D>
+template <class Real>
+void Halo<D>::open_sweep(const std::vector<BodyVelocity<D, Real>>& u) {
+    opened_.resize(shared_.size() * n_values);
+    own_.resize(opened_.size());
+    double* out = opened_.data();
+    for (const auto& grain : shared_) {
+        out = std::copy(u[grain.row].v.begin(), u[grain.row].v.end(), out);
+        out = std::copy(u[grain.row].s.begin(), u[grain.row].s.end(), out);
+    }
+}
+
+template <int D>
+template <class Real>
+void Halo<D>::finish_sweep(std::vector<BodyVelocity<D, Real>>& u) {
+    MPI_Waitall(static_cast<int>(receives_.requests.size()), receives_.requests.data(), MPI_STATUSES_IGNORE);
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+        auto& of = u[shared_[k].row];
+        for (int c = 0; c < n_values; ++c) {
+            own_[k * n_values + c] = c < D ? of.v[c] : of.s[c - D];
+        }
+        put<D>(of, [&](int c) { return opened_[k * n_values + c]; });
+    }
+    // Messages lie in ascending order of senders.
+    bool own_added = false;
+    for (std::size_t m = 0; m < receives_.rank.size(); ++m) {
+        if (!own_added && receives_.rank[m] > comm_.rank()) {
+            add_own_change(u);
+            own_added = true;
+        }
+        for (auto r = receives_.row_begin[m]; r < receives_.row_begin[m + 1]; ++r) {
+            const LocalId i = receives_.rows[static_cast<std::size_t>(r)];
+            const auto k = static_cast<std::size_t>(shared_of_row_[static_cast<std::size_t>(i)]);
+            add_change(u[i], receives_.values.data() + n_values * r, opened_.data() + n_values * k);
+        }
+    }
+    if (!own_added) {
+        add_own_change(u);
+    }
+}
+
+/// Only of grains that own tiles may touch: to add nothing is not nothing, it turns -0 into 0.
+template <int D>
+template <class Real>
+void Halo<D>::add_own_change(std::vector<BodyVelocity<D, Real>>& u) const {
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+        if (touched_[k] != 0) {
+            add_change(u[shared_[k].row], own_.data() + n_values * k, opened_.data() + n_values * k);
+        }
     }
 }
 
@@ -286,5 +357,14 @@ HaloTraffic Halo<D>::per_sweep() const {
 
 template class Holders<2>;
 template class Halo<2>;
+
+#define NAPPE_FOR_BODIES(Real) \
+    template void Halo<2>::start(int, const std::vector<BodyVelocity<2, Real>>&); \
+    template void Halo<2>::finish(std::vector<BodyVelocity<2, Real>>&); \
+    template void Halo<2>::open_sweep(const std::vector<BodyVelocity<2, Real>>&); \
+    template void Halo<2>::finish_sweep(std::vector<BodyVelocity<2, Real>>&);
+NAPPE_FOR_BODIES(double)
+NAPPE_FOR_BODIES(float)
+#undef NAPPE_FOR_BODIES
 
 } // namespace nappe

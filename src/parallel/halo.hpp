@@ -4,6 +4,12 @@
 // tile colour a rank *sends* the velocities that its tiles of that colour changed to the grains' other holders, and
 // *receives* the like. In one colour a grain is changed by at most one tile, so every row has at most one sender and
 // copies are equal after each colour. A *neighbour* is another holder of some grain held here; the relation is mutual.
+//
+// Coupled once a sweep (SolverSettings::coupling), a rank sends what its tiles of all colours have made of the grains they
+// share, in one message to each neighbour, and every holder adds up the changes in ascending order of ranks:
+//     u = u_0 + sum over ranks of (u_rank - u_0),   u_0 from the start of the sweep.
+// Copies are equal after each sweep, and M⁻¹ H r is not lost; but which contacts see each other's changes within a sweep
+// depends on who owns them.
 
 #include "core/contact_set.hpp"
 #include "core/state.hpp"
@@ -62,13 +68,33 @@ public:
     void build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
                CandidateSet<D>& candidates);
 
+    /// Local. From the next `build` on: one exchange a sweep, or one a colour.
+    void couple_by_sweep(bool by_sweep) { next_by_sweep_ = by_sweep; }
+    bool by_sweep() const { return by_sweep_; }
+
     /// Starts to send what the interface tiles of `colour` have changed, and to receive. Local (non-blocking). A pass
     /// is start and finish of every colour in ascending order; receives of all colours are posted as it begins, so that
-    /// a message never waits for its receiver to ask.
-    void start(int colour, const std::vector<BodyVelocity<D>>& u);
+    /// a message never waits for its receiver to ask. Real: double or float; messages are in double.
+    template <class Real>
+    void start(int colour, const std::vector<BodyVelocity<D, Real>>& u);
 
     /// Waits for what others send after the colour started last, and writes it into u.
-    void finish(std::vector<BodyVelocity<D>>& u);
+    template <class Real>
+    void finish(std::vector<BodyVelocity<D, Real>>& u);
+
+    /// Local. Coupled once a sweep: what shared grains start it with.
+    template <class Real>
+    void open_sweep(const std::vector<BodyVelocity<D, Real>>& u);
+
+    /// The like of `start` when all interface tiles are done with the sweep. Pre: open_sweep.
+    template <class Real>
+    void start_sweep(const std::vector<BodyVelocity<D, Real>>& u) {
+        start(0, u);
+    }
+
+    /// Waits for the neighbours' changes and adds them, in the order of ranks.
+    template <class Real>
+    void finish_sweep(std::vector<BodyVelocity<D, Real>>& u);
 
     const HaloTraffic& traffic() const { return traffic_; }
     void clear_traffic() { traffic_ = {}; } ///< Local.
@@ -136,6 +162,8 @@ private:
     void tell_neighbours();
     void lay_out(Way& way, std::vector<std::byte> Neighbour::*told) const;
     void make_requests();
+    template <class Real>
+    void add_own_change(std::vector<BodyVelocity<D, Real>>& u) const;
 
     const Communicator& comm_;
     std::vector<Shared> shared_;              ///< by (tile, id)
@@ -145,6 +173,9 @@ private:
     std::vector<std::int32_t> shared_of_row_; ///< -1: nobody else holds it
     Way sends_, receives_;
     int colour_ = 0; ///< started last
+    bool by_sweep_ = false, next_by_sweep_ = false;
+    std::vector<double> opened_,
+        own_; ///< coupled once a sweep, of each shared grain: u_0, and what own tiles made of it
     HaloTraffic traffic_;
 };
 

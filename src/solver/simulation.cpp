@@ -77,6 +77,7 @@ void Simulation<D>::start_stage(int stage) {
     // Samples are prepared without cohesion, so that all strengths of it start from one.
     contacts_.set_cohesive(!preparing);
     contacts_.set_kept(std::min(settings().geometry_every, settings().substeps), settings().position_correction > 0);
+    domain_.halo().couple_by_sweep(settings().coupling == SolverSettings::Coupling::sweep);
     state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
     set_margins(settings().h / settings().substeps);
     rebuild();

@@ -83,8 +83,9 @@ public:
 
     /// **Collective.** n passes over all tiles, so many `together`; visit(t, next) for tile t, `next` the one after it or
     /// no_tile. What it changes in u of grains that others hold is sent to them after each colour.
-    template <class Visit>
-    void run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit&& visit);
+    /// With Halo::by_sweep passes go one by one, and grains that others hold are exchanged once in each.
+    template <class Body, class Visit>
+    void run(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit&& visit);
 
     /// **Collective.** Sum of term(i) over all grains, i the row on the rank that owns it; the same on any number of ranks.
     template <class Term>
@@ -109,8 +110,10 @@ public:
     Stopwatch& watch() { return watch_; }
 
 private:
-    template <class Visit>
-    void run_untimed(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit& visit);
+    template <class Body, class Visit>
+    void run_untimed(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit);
+    template <class Body, class Visit>
+    void run_coupled_by_sweep(int n, Halo<D>& halo, std::vector<Body>& u, Visit& visit);
 
     const Communicator& comm_;
     Stopwatch& watch_;
@@ -138,8 +141,8 @@ private:
 };
 
 template <int D>
-template <class Visit>
-void TileSweep<D>::run(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit&& visit) {
+template <class Body, class Visit>
+void TileSweep<D>::run(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit&& visit) {
     if (seconds_ == nullptr) {
         run_untimed(n, together, halo, u, visit);
         return;
@@ -157,11 +160,15 @@ void TileSweep<D>::run(int n, int together, Halo<D>& halo, std::vector<BodyVeloc
 /// layer d does its last. Where ranks wait for each other, the moments after P - 1 are kept for the next group's messages:
 /// its moment m touches layers up to m, whose neighbours the group before must have left.
 template <int D>
-template <class Visit>
-void TileSweep<D>::run_untimed(int n, int together, Halo<D>& halo, std::vector<BodyVelocity<D>>& u, Visit& visit) {
+template <class Body, class Visit>
+void TileSweep<D>::run_untimed(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit) {
     constexpr int n_colours = n_tile_colours<D>;
     const int last = order_.last_layer();
     const bool alone = comm_.size() == 1;
+    if (halo.by_sweep() && !alone) {
+        run_coupled_by_sweep(n, halo, u, visit);
+        return;
+    }
     OneBehind tiles(visit);
     const auto inner = [&](int moment, int n_phases) { // layers 1 and up of one moment
         for (int phase = std::max(0, moment - last); phase < std::min(moment, n_phases); ++phase) {
@@ -209,6 +216,35 @@ void TileSweep<D>::run_untimed(int n, int together, Halo<D>& halo, std::vector<B
     }
     drain(last);
     receive();
+}
+
+/// Each pass on its own, moments as above: after those in which layer 0 has a phase, what others hold is done with, and
+/// the other layers' last phases hide its way.
+template <int D>
+template <class Body, class Visit>
+void TileSweep<D>::run_coupled_by_sweep(int n, Halo<D>& halo, std::vector<Body>& u, Visit& visit) {
+    constexpr int n_colours = n_tile_colours<D>;
+    OneBehind tiles(visit);
+    for (int pass = 0; pass < n; ++pass) {
+        {
+            const auto lap = watch_.lap(Timed::exchange);
+            halo.open_sweep(u);
+        }
+        for (int moment = 0; moment < n_colours + order_.last_layer(); ++moment) {
+            for (int phase = std::max(0, moment - order_.last_layer()); phase <= std::min(moment, n_colours - 1);
+                 ++phase) {
+                tiles.push(order_.tiles(moment - phase, phase));
+            }
+            if (moment == n_colours - 1) {
+                tiles.flush();
+                const auto lap = watch_.lap(Timed::exchange);
+                halo.start_sweep(u);
+            }
+        }
+        tiles.flush();
+        const auto lap = watch_.lap(Timed::exchange);
+        halo.finish_sweep(u);
+    }
 }
 
 } // namespace nappe

@@ -148,6 +148,41 @@ class SameBits(NappeTest):
             self.assertLess(run.summary["relaxations"], 0.8 * full, "no tile was left alone: the case is too easy")
             self.assertGreater(run.summary["correction_work"], 0)
 
+    def test_coupled_once_a_sweep(self):
+        # The one mode that ranks may be seen in: on one it is the default, on so many ranks two runs have the same bits.
+        coupled = sets(stages__push__solver__coupling="sweep")
+        default = self.run_scene(FOLD, ranks=1, out="out-default", samples="samples")
+        self.assertEqual((default.summary["coupling"], default.summary["rank_independent"]), ("colour", True))
+        one = self.run_scene(FOLD, *coupled, ranks=1, out="out-1", samples="samples")
+        self.assertNotIn("result holds", one.result.err)
+        self.assertEqual((one.hash, one.summary["messages"]), (default.hash, 0))
+        series = "series/solver.csv"
+        self.assertEqual((one.out / series).read_bytes(), (default.out / series).read_bytes())
+        for n, other in ((2, KERNELS[0]), (3, KERNELS[-1]), (5, KERNELS[0])):
+            with self.subTest(ranks=n):
+                by_colour = self.run_scene(FOLD, ranks=n, out=f"out-default-{n}", samples="samples")
+                first, again = (
+                    self.run_scene(FOLD, *coupled, "--kernel", k, ranks=n, out=f"out-{n}-{k}-{i}", samples="samples")
+                    for i, k in enumerate((KERNELS[-1], other))
+                )
+                self.assert_same(first, again)
+                self.assertEqual((first.summary["coupling"], first.summary["rank_independent"]), ("sweep", False))
+                self.assertIn(f"the result holds for {n} ranks", first.result.err)
+                self.assertGreater(first.summary["rebalanced"], 0, "no tile moved: the case is too easy")
+                self.assertNotEqual(first.hash, one.hash, "no grain is shared: the case is too easy")
+                self.assertLess(first.summary["messages"], by_colour.summary["messages"])
+
+    def test_coupled_once_a_sweep_converges(self):
+        # Copies that differed, or a change that came twice or not at all, would leave u different from what the impulses
+        # give, and no number of sweeps would bring the residual down. Little friction, since with much of it sweeps may
+        # cycle, whatever the coupling.
+        keys = sets(stages__push__solver__coupling="sweep", stages__push__solver__tolerance=1e-5)
+        keys += sets(stages__push__solver__max_sweeps=20000, laws__0__friction=0.01, laws__1__friction=0.01)
+        for n in (2, 3, 5):
+            with self.subTest(ranks=n):
+                run = self.run_scene(FOLD, *keys, "--steps", 5, ranks=n, out=f"out-{n}", samples="samples")
+                self.assertLessEqual(run.summary["residual"], 1e-5)
+
     def test_sample_made_on_five_ranks_is_used_on_two(self):
         one = self.run_scene(FOLD, ranks=1, out="out-1", samples="samples-1")
         self.run_scene(FOLD, "--steps", "1", "--kernel", KERNELS[0], ranks=5, out="out-5", samples="samples-5")

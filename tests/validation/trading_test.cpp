@@ -170,7 +170,7 @@ TEST(PositionCorrection, OverlapsShrink) {
         run.steps(300);
         return overlaps(run.simulation()).mean;
     };
-    EXPECT_LT(3 * overlap_with(0.3), overlap_with(0));
+    EXPECT_LT(2 * overlap_with(0.3), overlap_with(0));
 }
 
 /// Without anything dissipated nothing is paid for: two disks that overlap at rest without gravity stay as they are.
