@@ -49,12 +49,6 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     using Precision = SolverSettings::Precision;
     read_choice<Precision>(table, "precision", {{"double", Precision::full}, {"single", Precision::single}},
                            solver.precision);
-    if (solver.coupling != Coupling::colour) {
-        refuse_beside_other_sweeps(table, "coupling", "\"colour\"", "\"sweep\"", solver);
-    }
-    if (solver.precision != Precision::full) {
-        refuse_beside_other_sweeps(table, "precision", "\"double\"", "\"single\"", solver);
-    }
     table.read("warm_start", solver.warm_start, "false starts every step without impulses");
     using AtMax = SolverSettings::AtMax;
     read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);
@@ -91,6 +85,12 @@ void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, S
 }
 
 void check_solver(const TableReader& table, const SolverSettings& solver) {
+    if (solver.coupling != SolverSettings::Coupling::colour) {
+        refuse_beside_other_sweeps(table, "coupling", "\"colour\"", "\"sweep\"", solver);
+    }
+    if (solver.precision != SolverSettings::Precision::full) {
+        refuse_beside_other_sweeps(table, "precision", "\"double\"", "\"single\"", solver);
+    }
     const bool either = table.has("adaptive") || table.has("method");
     if (either && solver.adaptive && solver.method != SolverSettings::Method::nsgs) {
         table.problem(table.has("adaptive") ? "adaptive" : "method", "must be absent unless method = \"nsgs\"",

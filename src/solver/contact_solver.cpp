@@ -40,8 +40,12 @@ SolveReport ContactSolver<D>::solve(ContactsOf<D>& contacts, Halo<D>& halo, std:
         report.sweeps += n;
         report.relaxations += work.relaxations;
         report.reductions += work.reductions;
+        if (settings.tolerance && is_checked(report.sweeps, task)) {
+            iteration_->settle(task.problem);
+        }
         within = settings.tolerance && stops_after(report.sweeps, task);
     }
+    iteration_->settle(task.problem);
     if (settings.tolerance && !within) { // no sweep left to hide this one behind
         within = std::sqrt(comm_.max(largest_squared(task))) / task.problem.unit <= *settings.tolerance;
     }

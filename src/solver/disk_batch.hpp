@@ -43,6 +43,12 @@ struct alignas(64) KeptGapBatch {
     double gap[n_lanes]; ///< [m]
 };
 
+/// A batch while it is swept over in single precision, 32 bytes a contact. Indices count floats of the velocities then.
+struct alignas(64) SingleBatch {
+    float nx[n_lanes], ny[n_lanes], bias[n_lanes], m_eff[n_lanes], r_n[n_lanes], r_t[n_lanes];
+    std::uint32_t a[n_lanes], b[n_lanes];
+};
+
 /// n batches that follow each other, and what the scene's laws add to each of them: nullptr where nothing.
 struct BatchSpan {
     DiskBatch* contacts = nullptr;
@@ -138,6 +144,12 @@ struct DiskKernels {
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,
                  const BodyArrays& bodies, GapBatch* out);
+    /// The batches, rounded.
+    void (*round_batches)(const BatchSpan& batches, SingleBatch* contacts);
+    /// `relax` in single precision; the law's limits are those of `batches`.
+    void (*relax_single)(const BatchSpan& batches, SingleBatch* contacts, float* u, BodyRange soon);
+    /// r <- P(what single precision found); adds the effect of the change to u, in double.
+    void (*settle_single)(const BatchSpan& batches, const SingleBatch* contacts, double* u);
 };
 
 /// The fastest set this processor has, or the one named in `wanted` ("scalar", "portable", "avx2", "avx512").

@@ -125,6 +125,22 @@ public:
         kernels_->go_along(span(ranges_[tile]), memory(1, tile), alpha, doubles(u));
     }
 
+    /// Local. Copies of all batches in single precision, for relax_single.
+    void round_batches();
+    void relax_single(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2, float>>& u) {
+        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
+        kernels_->relax_single(span(ranges_[tile]), single_of(tile), u.data()->v.data(), soon);
+    }
+    /// Local. The impulses of a tile's copies become its own, u follows.
+    void settle_single(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
+        kernels_->settle_single(span(ranges_[tile]), single_of(tile), doubles(u));
+    }
+    /// By one sweep in single precision, without bodies.
+    std::size_t bytes_swept_single() const {
+        return batches_.size() * sizeof(SingleBatch) + friction_.size() * sizeof(FrictionBatch) +
+               cohesion_.size() * sizeof(CohesionBatch);
+    }
+
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
         kernels_->apply(span(ranges_[tile]), u.data()->v.data());
     }
@@ -171,6 +187,7 @@ public:
         f("corrections", corrections_);
         f("memory[0]", memory_[0]);
         f("memory[1]", memory_[1]);
+        f("single", single_);
     }
 
     /// By one sweep, without bodies.
@@ -229,6 +246,7 @@ private:
     static double* doubles(std::vector<BodyVelocity<2>>& u) { return u.data()->v.data(); }
     static const double* doubles(const std::vector<BodyVelocity<2>>& u) { return u.data()->v.data(); }
     SearchBatch* memory(std::size_t which, std::size_t tile) { return memory_[which].data() + ranges_[tile].begin; }
+    SingleBatch* single_of(std::size_t tile) { return single_.data() + ranges_[tile].begin; }
     BatchSpan span(const Range& range) {
         const auto from = [&](auto& side) { return side.empty() ? nullptr : side.data() + range.begin; };
         return {batches_.data() + range.begin, range.n,         from(tangent_), from(friction_), from(cohesion_),
@@ -299,6 +317,7 @@ private:
     std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
     std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless keeps_gaps_
     std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
+    std::vector<SingleBatch> single_;                ///< empty unless swept over in single precision
     bool keeps_gaps_ = false;
     int kept_ = 1; ///< substeps that normals serve for
     bool cohesive_ = false;

@@ -90,6 +90,13 @@ void DiskContacts::begin_correction(const std::vector<BodyVelocity<2>>& u, doubl
     }
 }
 
+void DiskContacts::round_batches() {
+    single_.resize(batches_.size());
+    for (std::size_t t = 0; t < ranges_.size(); ++t) {
+        kernels_->round_batches(span(ranges_[t]), single_of(t));
+    }
+}
+
 void DiskContacts::start_cold() {
     for (auto& batch : batches_) {
         std::fill(std::begin(batch.r_n), std::end(batch.r_n), 0.0);

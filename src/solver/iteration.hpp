@@ -34,8 +34,11 @@ public:
     /// **Collective.** A new problem; nothing is remembered of the one before.
     virtual void begin(const ContactProblem<D>& problem) = 0;
 
-    /// **Collective.** n more sweeps. Afterwards impulses are feasible and u belongs to them.
+    /// **Collective.** n more sweeps. After `settle`, impulses are feasible and u belongs to them.
     virtual IterationWork advance(const ContactProblem<D>& problem, int n) = 0;
+
+    /// **Collective.** Called before anyone looks at impulses or u.
+    virtual void settle(const ContactProblem<D>&) {}
 
     /// Local. How often each tile was relaxed since `begin`; empty if all were in every sweep.
     virtual const std::vector<std::int32_t>& tile_sweeps() const {

@@ -5,7 +5,11 @@ namespace nappe {
 template <int D>
 void Nsgs<D>::begin(const ContactProblem<D>& problem) {
     problem.contacts.remember(0);
-    const auto bytes = problem.contacts.bytes_swept() + problem.u.size() * sizeof(BodyVelocity<D>);
+    const bool single = problem.settings.precision == SolverSettings::Precision::single;
+    const auto bytes = single
+                           ? problem.contacts.bytes_swept_single() + problem.u.size() * sizeof(BodyVelocity<D, float>)
+                           : problem.contacts.bytes_swept() + problem.u.size() * sizeof(BodyVelocity<D>);
+    rounded_ = false;
     together_ = sweep_.together(static_cast<double>(bytes));
     const auto watched = problem.settings.adaptive ? problem.contacts.n_tiles() : 0;
     tile_sweeps_.assign(watched, 0);
@@ -21,6 +25,14 @@ void Nsgs<D>::begin(const ContactProblem<D>& problem) {
 template <int D>
 IterationWork Nsgs<D>::advance(const ContactProblem<D>& problem, int n) {
     auto& contacts = problem.contacts;
+    if (problem.settings.precision == SolverSettings::Precision::single) {
+        if (!rounded_) {
+            round_off(problem);
+        }
+        sweep_.run(n, together_, problem.halo, u_single_,
+                   [&](std::size_t t, std::size_t next) { contacts.relax_single(t, next, u_single_); });
+        return {n * contacts.n_active(), 0};
+    }
     if (!problem.settings.adaptive) {
         sweep_.run(n, together_, problem.halo, problem.u,
                    [&](std::size_t t, std::size_t next) { contacts.relax(t, next, problem.u); });
@@ -59,6 +71,31 @@ bool Nsgs<D>::undisturbed(std::size_t tile) const {
         }
     }
     return true;
+}
+
+template <int D>
+void Nsgs<D>::round_off(const ContactProblem<D>& problem) {
+    problem.contacts.round_batches();
+    u_single_.resize(problem.u.size());
+    for (std::size_t i = 0; i < u_single_.size(); ++i) {
+        for (int d = 0; d < D; ++d) {
+            u_single_[i].v[d] = static_cast<float>(problem.u[i].v[d]);
+        }
+        for (int k = 0; k < n_spin<D>; ++k) {
+            u_single_[i].s[k] = static_cast<float>(problem.u[i].s[k]);
+        }
+        u_single_[i].inv_m = static_cast<float>(problem.u[i].inv_m);
+    }
+    rounded_ = true;
+}
+
+template <int D>
+void Nsgs<D>::settle(const ContactProblem<D>& problem) {
+    if (rounded_) {
+        sweep_.run(1, 1, problem.halo, problem.u,
+                   [&](std::size_t t, std::size_t) { problem.contacts.settle_single(t, problem.u); });
+        rounded_ = false;
+    }
 }
 
 template <int D>

@@ -5,6 +5,10 @@
 // adaptive x V (measured as the residual is), until some grain that its contacts move has changed its velocity by more than
 // that since. Whether it is left alone follows from velocities that all holders have alike, so it is the same on any number
 // of ranks; nothing is remembered beyond the solve. What is left undone is at most of the size of adaptive x V a contact.
+//
+// With Precision::single sweeps go over rounded copies of contacts and velocities. `settle` takes the impulses back and makes
+// u of them in double, u += M⁻¹ H (r_new - r_old): whatever was rounded, u and the impulses belong together, so that
+// momentum and the energy budget close as they do in double.
 
 #include "solver/iteration.hpp"
 
@@ -16,6 +20,7 @@ public:
     explicit Nsgs(TileSweep<D>& sweep) : sweep_(sweep) {}
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
+    void settle(const ContactProblem<D>& problem) override;
     const std::vector<std::int32_t>& tile_sweeps() const override { return tile_sweeps_; }
 
 private:
@@ -25,6 +30,10 @@ private:
 
     TileSweep<D>& sweep_;
     int together_ = 1; ///< sweeps that pass over the sample together
+    void round_off(const ContactProblem<D>& problem);
+
+    std::vector<BodyVelocity<D, float>> u_single_; ///< empty unless in single precision
+    bool rounded_ = false;                         ///< copies are ahead of impulses and u
     // Empty unless adaptive:
     std::vector<std::int32_t> tile_sweeps_;
     std::vector<std::vector<BodyVelocity<D>>> quiet_at_; ///< velocities of a quiet tile's bodies when it became so

@@ -183,6 +183,26 @@ class SameBits(NappeTest):
                 run = self.run_scene(FOLD, *keys, "--steps", 5, ranks=n, out=f"out-{n}", samples="samples")
                 self.assertLessEqual(run.summary["residual"], 1e-5)
 
+    def test_single_precision(self):
+        # Mixed friction, cohesion, and a tolerance, at whose checks impulses go to double and back.
+        plain = self.run_scene(FOLD, ranks=1, out="out-plain", samples="samples-plain")
+        keys = sets(solver__precision="single", solver__tolerance=0.1, solver__max_sweeps=60)
+        keys += sets(laws__0__friction=0.3, laws__0__type="cohesive", laws__0__gamma=2e4, laws__0__d_w=0.02)
+        keys += sets(output__measures__during_run="true", output__measures__energy="true")
+        for _, run in self.runs(FOLD, (2, 3, 5, 7), *keys):
+            self.assertGreater(len(set(run.series("solver")["sweeps"][1:])), 1, "the tolerance never acted")
+        for n, run in self.runs(FOLD, (2, 3, 5, 7), *sets(solver__precision="single")):
+            self.assertNotEqual(run.hash, plain.hash)
+
+    def test_momentum_and_energy_close_in_single_precision(self):
+        # What u and impulses lost together in float would be seen here: round-off of doubles is all that may be left, of
+        # 60 steps, a thousand terms each, relative to the largest column.
+        keys = sets(solver__precision="single", output__measures__during_run="true", output__measures__energy="true")
+        run = self.run_scene(FOLD, *keys, ranks=1)
+        energy = run.series("energy")
+        largest = max(abs(v) for column in energy.values() for v in column if v == v)
+        self.assertLess(max(abs(v) for v in energy["error"]), 1e-11 * largest)
+
     def test_sample_made_on_five_ranks_is_used_on_two(self):
         one = self.run_scene(FOLD, ranks=1, out="out-1", samples="samples-1")
         self.run_scene(FOLD, "--steps", "1", "--kernel", KERNELS[0], ranks=5, out="out-5", samples="samples-5")
