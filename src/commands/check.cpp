@@ -111,10 +111,12 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
 /// Those that take bytes and those that only take time.
 std::string asked_features(const Features& f) {
     std::string text;
-    for (const auto& [asked, name] : {std::pair(f.friction, "friction"), std::pair(f.mixed_friction, "mixed friction"),
-                                      std::pair(f.restitution, "restitution"), std::pair(f.cohesion, "cohesion"),
-                                      std::pair(f.turning, "grains that may turn"), std::pair(f.cells, "cells"),
-                                      std::pair(f.layers, "layers"), std::pair(f.driven_walls, "driven walls")}) {
+    for (const auto& [asked, name] :
+         {std::pair(f.friction, "friction"), std::pair(f.mixed_friction, "mixed friction"),
+          std::pair(f.restitution, "restitution"), std::pair(f.cohesion, "cohesion"),
+          std::pair(f.turning, "grains that may turn"), std::pair(f.cells, "cells"), std::pair(f.layers, "layers"),
+          std::pair(f.driven_walls, "driven walls"), std::pair(f.kept_gaps, "kept geometry"),
+          std::pair(f.correction, "position correction"), std::pair(f.adaptive, "adaptive sweeps")}) {
         text += asked ? fmt::format("{}{}", text.empty() ? "" : ", ", name) : "";
     }
     if (f.impulses_kept > 0) {

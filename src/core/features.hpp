@@ -17,6 +17,7 @@ struct Features {
     bool kept_gaps = true;      ///< normals serve for several substeps, or positions are corrected
     bool correction = true;     ///< positions are corrected
     bool driven_walls = true;
+    bool adaptive = true;    ///< quiet tiles are left alone
     int impulses_kept = 2;   ///< by the method that keeps most from sweep to sweep: so many of every contact
     int velocities_kept = 2; ///< and of every body
 };
