@@ -18,6 +18,7 @@ struct Features {
     bool correction = true;     ///< positions are corrected
     bool driven_walls = true;
     bool adaptive = true;    ///< quiet tiles are left alone
+    bool single = true;      ///< sweeps go over rounded copies
     int impulses_kept = 2;   ///< by the method that keeps most from sweep to sweep: so many of every contact
     int velocities_kept = 2; ///< and of every body
 };

@@ -84,8 +84,8 @@ struct Wall {
 struct SolverSettings {
     enum class Method { nsgs, ansgs, nncg, apgd, cpg }; ///< solver/nsgs.hpp and its neighbours say what each is
     enum class AtMax { accept, stop };
-    enum class Coupling { colour, sweep };      ///< when ranks exchange velocities: after each tile colour, or each sweep
-    enum class Precision { full, single };      ///< of the sweep; what is outside of it is always in double
+    enum class Coupling { colour, sweep }; ///< when ranks exchange velocities: after each tile colour, or each sweep
+    enum class Precision { full, single }; ///< of the sweep; what is outside of it is always in double
     Method method = Method::nsgs;
     double h = 0;     ///< step [s]
     int substeps = 1; ///< a step is integrated as this many of h / substeps, its sweeps divided among them (rounded up)
@@ -104,7 +104,7 @@ struct SolverSettings {
     /// Share of each overlap that is taken away at the end of a (sub)step, as far as contacts have dissipated energy to pay
     /// for it; in [0, 1].
     double position_correction = 0;
-    bool warm_start = true; ///< from the impulses of the step before; else from none
+    bool warm_start = true;                ///< from the impulses of the step before; else from none
     Coupling coupling = Coupling::colour;  ///< nsgs only; `sweep`: the result depends on the number of ranks
     Precision precision = Precision::full; ///< nsgs only
 };
@@ -226,9 +226,8 @@ double largest_range(const Scene<D>& scene) {
 /// Whether results depend on the number of ranks: some stage is coupled once a sweep.
 template <int D>
 bool couples_by_sweep(const Scene<D>& scene) {
-    return std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& stage) {
-        return stage.solver.coupling == SolverSettings::Coupling::sweep;
-    });
+    return std::any_of(scene.stages.begin(), scene.stages.end(),
+                       [](const Stage& stage) { return stage.solver.coupling == SolverSettings::Coupling::sweep; });
 }
 
 /// The law between two materials, or nullptr if the scene has none.

@@ -4,6 +4,8 @@
 namespace nappe {
 
 extern const DiskKernels disk_kernels_portable;
-const DiskKernels disk_kernels_portable{"portable", relax, relax_ahead, relax_along, project, gradient, turn, go_along, apply, refresh, advance, begin_correction, relax_watched, gaps, round_batches, relax_single, settle_single};
+const DiskKernels disk_kernels_portable{
+    "portable", relax,   relax_ahead,      relax_along,   project, gradient,      turn,         go_along,     apply,
+    refresh,    advance, begin_correction, relax_watched, gaps,    round_batches, relax_single, settle_single};
 
 } // namespace nappe

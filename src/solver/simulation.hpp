@@ -175,7 +175,7 @@ private:
     double impulse_h_ = 0;   ///< step [s] whose impulses the candidates hold: forces are kept where h changes
     std::uint32_t agreed_ = 0;
     std::vector<BodyVelocity<D>>
-        correction_; ///< displacements of the step over h; empty unless positions are corrected
+        correction_;  ///< displacements of the step over h; empty unless positions are corrected
     double lift_ = 0; ///< potential energy that they cost [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;

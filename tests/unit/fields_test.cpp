@@ -98,6 +98,9 @@ const std::vector<Case>& cases() {
          [](auto& scene) { scene.stages[0].solver.position_correction = 0.2; },
          {"DiskContacts::kept_gaps", "DiskContacts::corrections", "Simulation::correction"}},
         {"adaptive", [](auto& scene) { scene.stages[0].solver.adaptive = 1e-3; }, {"Iteration::quiet"}},
+        {"single_precision",
+         [](auto& scene) { scene.stages[0].solver.precision = SolverSettings::Precision::single; },
+         {"Iteration::u_single", "DiskContacts::single"}},
         {"driven_walls",
          [](auto& scene) {
              scene.walls[1].motion = Motion<2>{{0.1, 0}, 0, 0, {}};
@@ -133,6 +136,8 @@ template <>
 constexpr std::size_t row_bytes<FrictionBatch> = sizeof(FrictionBatch) / n_lanes;
 template <>
 constexpr std::size_t row_bytes<KeptGapBatch> = sizeof(KeptGapBatch) / n_lanes;
+template <>
+constexpr std::size_t row_bytes<SingleBatch> = sizeof(SingleBatch) / n_lanes;
 template <>
 constexpr std::size_t row_bytes<SearchBatch> = sizeof(SearchBatch) / n_lanes;
 template <>

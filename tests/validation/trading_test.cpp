@@ -149,7 +149,7 @@ TEST(PositionCorrection, PutsNoEnergyIn) {
         for (int k = 0; k < 300; ++k) {
             run.steps(1);
             const double now = energy_of(run), lifted = run.simulation().correction_work() - lifted_before;
-            const double lost = -(now - before - lifted); // by contacts
+            const double lost = -(now - before - lifted);                           // by contacts
             EXPECT_LE(lifted, std::max(lost, 0.0) + 1e-12 * scale) << "step " << k; // round-off of sums of energies
             limited += lifted > 0 && lifted > 0.999 * lost ? 1 : 0;
             before = now;
