@@ -10,7 +10,8 @@ namespace {
 void refuse_beside_other_sweeps(const TableReader& table, const char* key, const char* usual, const char* asked,
                                 const SolverSettings& solver) {
     const bool of_method = solver.method != SolverSettings::Method::nsgs;
-    if (!of_method && !solver.adaptive) {
+    const bool concerned = table.has(key) || table.has("method") || table.has("adaptive");
+    if (!concerned || (!of_method && !solver.adaptive)) {
         return;
     }
     const auto remedy = fmt::format("remove {} = {}, or use nsgs without adaptive", key, asked);

@@ -138,6 +138,7 @@ class SameBits(NappeTest):
 
     def test_quiet_tiles_kept_geometry_and_corrected_positions(self):
         keys = sets(
+            stages__push__solver__sweeps=100,
             stages__push__solver__adaptive=1e-2,
             stages__push__solver__substeps=4,
             stages__push__solver__geometry_every=4,

@@ -222,7 +222,7 @@ TEST(Fields, BytesAreThoseOfTheArrays) {
     Features none;
     none.friction = none.mixed_friction = none.restitution = none.cohesion = none.turning = none.cells = none.layers =
         none.driven_walls = false;
-    none.kept_gaps = none.correction = none.adaptive = false;
+    none.kept_gaps = none.correction = none.adaptive = none.single = false;
     none.impulses_kept = none.velocities_kept = 0;
     EXPECT_EQ(bytes_per_grain(none), 8u + 16 + 32 + 16 + 8 + 32 + 32 + 8 + 8 + 4);
     EXPECT_EQ(bytes_per_contact(none), (4u + 4 + 8 + 4) + (6 * 8 + 4));
