@@ -226,8 +226,8 @@ TEST(Fields, BytesAreThoseOfTheArrays) {
     none.impulses_kept = none.velocities_kept = 0;
     EXPECT_EQ(bytes_per_grain(none), 8u + 16 + 32 + 16 + 8 + 32 + 32 + 8 + 8 + 4);
     EXPECT_EQ(bytes_per_contact(none), (4u + 4 + 8 + 4) + (6 * 8 + 4));
-    EXPECT_EQ(bytes_per_grain(Features()), bytes_per_grain(none) + 8 + 8 + 4 + 2 * 32 + 32 + 32);
-    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 2 * 16 + 48);
+    EXPECT_EQ(bytes_per_grain(Features()), bytes_per_grain(none) + 8 + 8 + 4 + 2 * 32 + 32 + 32 + 16);
+    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 2 * 16 + 48 + 32);
 }
 
 TEST(Fields, VariantsOfTheKernelAreNamed) {
