@@ -176,7 +176,7 @@ class SameBits(NappeTest):
     def test_coupled_once_a_sweep_converges(self):
         # Copies that differed, or a change that came twice or not at all, would leave u different from what the impulses
         # give, and no number of sweeps would bring the residual down. Little friction, since with much of it sweeps may
-        # cycle, whatever the coupling.
+        # cycle.
         keys = sets(stages__push__solver__coupling="sweep", stages__push__solver__tolerance=1e-5)
         keys += sets(stages__push__solver__max_sweeps=20000, laws__0__friction=0.01, laws__1__friction=0.01)
         for n in (2, 3, 5):
@@ -195,7 +195,7 @@ class SameBits(NappeTest):
         for n, run in self.runs(FOLD, (2, 3, 5, 7), *sets(solver__precision="single")):
             self.assertNotEqual(run.hash, plain.hash)
 
-    def test_momentum_and_energy_close_in_single_precision(self):
+    def test_energy_closes_in_single_precision(self):
         # What u and impulses lost together in float would be seen here: round-off of doubles is all that may be left, of
         # 60 steps, a thousand terms each, relative to the largest column.
         keys = sets(solver__precision="single", output__measures__during_run="true", output__measures__energy="true")
