@@ -1,6 +1,7 @@
 #include "commands/check.hpp"
 
 #include "core/error.hpp"
+#include "core/method_names.hpp"
 #include "core/polygon.hpp"
 #include "io/progress.hpp"
 #include "io/scene_reader.hpp"
@@ -51,10 +52,26 @@ std::string solver_text(const SolverSettings& solver) {
     if (solver.substeps > 1) {
         text += fmt::format("{} substeps, ", solver.substeps);
     }
-    if (solver.tolerance) {
-        return text + fmt::format("{} to {} sweeps, residual {}", solver.sweeps, solver.max_sweeps, *solver.tolerance);
+    if (std::min(solver.substeps, solver.geometry_every) > 1) {
+        text += fmt::format("normals for {} of them, ", std::min(solver.substeps, solver.geometry_every));
     }
-    return text + fmt::format("{} sweeps", solver.sweeps);
+    text += solver.tolerance
+                ? fmt::format("{} to {} sweeps, residual {}", solver.sweeps, solver.max_sweeps, *solver.tolerance)
+                : fmt::format("{} sweeps", solver.sweeps);
+    text += fmt::format(" of {}", method_name(solver.method));
+    if (solver.precision == SolverSettings::Precision::single) {
+        text += " in single precision";
+    }
+    if (solver.coupling == SolverSettings::Coupling::sweep) {
+        text += ", ranks coupled once a sweep";
+    }
+    if (solver.adaptive) {
+        text += fmt::format(", tiles quiet below {} V", *solver.adaptive);
+    }
+    if (solver.position_correction > 0) {
+        text += fmt::format(", {} of overlaps taken away", solver.position_correction);
+    }
+    return text;
 }
 
 std::string stage_text(const Stage& stage) {
@@ -115,8 +132,9 @@ std::string asked_features(const Features& f) {
          {std::pair(f.friction, "friction"), std::pair(f.mixed_friction, "mixed friction"),
           std::pair(f.restitution, "restitution"), std::pair(f.cohesion, "cohesion"),
           std::pair(f.turning, "grains that may turn"), std::pair(f.cells, "cells"), std::pair(f.layers, "layers"),
-          std::pair(f.driven_walls, "driven walls"), std::pair(f.kept_gaps, "kept geometry"),
-          std::pair(f.correction, "position correction"), std::pair(f.adaptive, "adaptive sweeps")}) {
+          std::pair(f.driven_walls, "driven walls"), std::pair(f.kept_normals, "kept geometry"),
+          std::pair(f.correction, "position correction"), std::pair(f.adaptive, "adaptive sweeps"),
+          std::pair(f.single, "single precision")}) {
         text += asked ? fmt::format("{}{}", text.empty() ? "" : ", ", name) : "";
     }
     if (f.impulses_kept > 0) {

@@ -108,6 +108,9 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
                 text += fmt::format("adaptive {} geometry every {} correction {}\n", s.adaptive.value_or(0.0),
                                     s.geometry_every, s.position_correction);
             }
+            if (s.position_correction > 0) { // as above
+                text += "corrected once a geometry\n";
+            }
             if (s.coupling == SolverSettings::Coupling::sweep && n_ranks > 1) { // follows who owns which tiles
                 text += fmt::format("coupled by sweep on {} ranks, balance {} every {}\n", n_ranks,
                                     scene.balance.threshold, scene.balance.every);
@@ -118,7 +121,7 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
             if (!s.warm_start) {
                 text += "cold\n";
             }
-            if (s.tolerance) { // a rule of the code, so it must be in the key of what it made
+            if (s.tolerance) { // as above
                 text += fmt::format("a check acts {} sweeps later\n", check_lag(s));
             }
         }

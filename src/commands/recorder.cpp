@@ -95,7 +95,7 @@ void Recorder::begin() {
         }
         sums.end_tile();
     }
-    sums.end_step();
+    sums.end_steps(1);
     write_row(0, 0.0);
 }
 

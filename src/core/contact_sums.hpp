@@ -63,7 +63,8 @@ public:
         tile_work_ = 0;
     }
 
-    void end_step() { ++n_steps_; }
+    /// Local. Ends `n` steps whose impulses were added up.
+    void end_steps(int n) { n_steps_ += n; }
     std::int64_t n_steps() const { return n_steps_; }
 
     /// Calls f(ExactSum&) for each sum, in the same order on every rank: to add them up over ranks.

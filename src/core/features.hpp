@@ -14,7 +14,8 @@ struct Features {
     bool turning = true;        ///< some grain may turn: there is friction, or a spin is given
     bool cells = true;          ///< sets of grains are marked when loading starts
     bool layers = true;         ///< grains are of more than one layer
-    bool kept_gaps = true;      ///< normals serve for several substeps, or positions are corrected
+    bool kept_normals = true;   ///< normals serve for several substeps
+    bool kept_gaps = true;      ///< that, or positions are corrected
     bool correction = true;     ///< positions are corrected
     bool driven_walls = true;
     bool adaptive = true;    ///< quiet tiles are left alone

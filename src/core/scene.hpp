@@ -109,11 +109,6 @@ struct SolverSettings {
     Precision precision = Precision::full; ///< nsgs only
 };
 
-/// Passes of the correction of positions: a tenth of the sweeps, four at least.
-inline int correction_sweeps(int sweeps) {
-    return sweeps > 40 ? sweeps / 10 : 4;
-}
-
 /// Ends a preparing stage: both hold at the end of a step.
 struct SettleCriterion {
     double kinetic = 1e-8;  ///< kinetic energy over (total weight x mean radius)

@@ -1,5 +1,6 @@
 #include "io/scene_solver.hpp"
 
+#include "core/method_names.hpp"
 #include "io/scene_choice.hpp"
 
 namespace nappe::scene_file {
@@ -27,14 +28,7 @@ void refuse_beside_other_sweeps(const TableReader& table, const char* key, const
 } // namespace
 
 void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed) {
-    using Method = SolverSettings::Method;
-    read_choice<Method>(table, "method",
-                        {{"nsgs", Method::nsgs},
-                         {"ansgs", Method::ansgs},
-                         {"nncg", Method::nncg},
-                         {"apgd", Method::apgd},
-                         {"cpg", Method::cpg}},
-                        solver.method);
+    read_choice<SolverSettings::Method>(table, "method", method_names, solver.method);
     table.read("h", solver.h, positive("s", "give the time step in seconds"), step_needed);
     table.read("theta", solver.theta, between(0.5, 1, "", "0.5 keeps energy, 1 damps most"));
     table.read("sweeps", solver.sweeps, {1, "give the sweeps of a step; with a tolerance, the least"});
@@ -63,24 +57,32 @@ void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, S
             target = value;
         }
     };
+    const auto leave_alone_below = [&](double share) { // where the sweeps can
+        const bool plain = solver.method == SolverSettings::Method::nsgs &&
+                           solver.precision == SolverSettings::Precision::full &&
+                           solver.coupling == SolverSettings::Coupling::colour;
+        if (plain) {
+            say("adaptive", solver.adaptive, share);
+        }
+    };
     switch (accuracy) {
     case Accuracy::fast:
         say("substeps", solver.substeps, 4);
         say("geometry_every", solver.geometry_every, rebounds ? 1 : 4);
-        say("adaptive", solver.adaptive, 1e-2);
+        leave_alone_below(3e-2);
+        say("position_correction", solver.position_correction, 0.8);
         break;
     case Accuracy::balanced:
         say("substeps", solver.substeps, 10);
         say("geometry_every", solver.geometry_every, rebounds ? 1 : 10);
-        say("adaptive", solver.adaptive, 3e-3);
-        say("position_correction", solver.position_correction, 0.2);
+        leave_alone_below(3e-3);
+        say("position_correction", solver.position_correction, 0.8);
         break;
     case Accuracy::tight:
-        say("method", solver.method, SolverSettings::Method::ansgs);
+        say("method", solver.method, SolverSettings::Method::apgd);
         say("sweeps", solver.sweeps, 20);
         say("tolerance", solver.tolerance, 1e-4);
         say("max_sweeps", solver.max_sweeps, 20000);
-        say("position_correction", solver.position_correction, 0.2);
         break;
     }
 }

@@ -76,14 +76,17 @@ int ContactSolver<D>::next_halt(int k, const Task& task) {
 template <int D>
 bool ContactSolver<D>::stops_after(int k, const Task& task) {
     const auto& settings = task.problem.settings;
-    if (is_checked(k - check_lag(settings), task)) {
+    const int lag = check_lag(settings);
+    const auto agreed = [&] {
         const auto lap = watch_.lap(Timed::exchange);
-        if (std::sqrt(agreeing_.take()) / task.problem.unit <= *settings.tolerance) {
-            return true;
-        }
+        return std::sqrt(agreeing_.take()) / task.problem.unit <= *settings.tolerance;
+    };
+    if (lag > 0 && is_checked(k - lag, task) && agreed()) {
+        return true;
     }
     if (is_checked(k, task)) {
         agreeing_.start(comm_, largest_squared(task));
+        return lag == 0 && agreed();
     }
     return false;
 }

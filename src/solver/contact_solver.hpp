@@ -29,9 +29,13 @@ struct SolveReport {
 /// Sweeps from the check of a tolerance to its effect, while ranks agree on the residual behind the sweeps: the
 /// reduction of 2^k ranks takes k rounds, and each of the four colours of a sweep lets it advance by one at least, so
 /// four sweeps hide it on 65,536 ranks. Never more than from one check to the next. A constant, so that results do not
-/// depend on when it arrives.
+/// depend on when it arrives. The other methods wait for a sum in every sweep anyway, and their residual does not fall
+/// steadily: a check acts at once.
 inline int check_lag(const SolverSettings& settings) {
     constexpr int most = 4;
+    if (settings.method != SolverSettings::Method::nsgs) {
+        return 0;
+    }
     return settings.check_every < most ? settings.check_every : most;
 }
 

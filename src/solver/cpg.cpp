@@ -33,7 +33,9 @@ void Cpg<D>::iterate(const ContactProblem<D>& problem) {
     });
     of_gradient.share(sweep_);
     if (!(of_gradient.squared.value() > 0)) {
-        return; // solved, or nothing touches
+        scale_ *= 0x1p-24; // solved, or so much nearer than the step before that all terms were rounded off
+        curvature_ = 0;
+        return;
     }
     scale_ = of_gradient.squared.value();
     const double coupled = curvature_ > 0 ? product(sweep_, of_z_, of_p_) / curvature_ : 0.0;

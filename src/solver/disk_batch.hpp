@@ -49,6 +49,8 @@ struct alignas(64) SingleBatch {
     std::uint32_t a[n_lanes], b[n_lanes];
 };
 
+struct SearchBatch;
+
 /// n batches that follow each other, and what the scene's laws add to each of them: nullptr where nothing.
 struct BatchSpan {
     DiskBatch* contacts = nullptr;
@@ -58,9 +60,11 @@ struct BatchSpan {
     const CohesionBatch* cohesion = nullptr; ///< nullptr: the plain law
     double mu = 0;
     KeptGapBatch* kept_gaps = nullptr; ///< nullptr: every substep measures its own
+    SearchBatch* summed = nullptr;     ///< impulses of the substeps before, nullptr as well
 };
 
-/// One more number for each impulse of a batch, kept only by methods that look back; what it is, the method says.
+/// One more number for each impulse of a batch: the sum over substeps with the same normals, or what a method that looks
+/// back keeps.
 struct alignas(64) SearchBatch {
     double n[n_lanes], t[n_lanes]; ///< [N s]
 };
@@ -131,8 +135,8 @@ struct DiskKernels {
     /// Returns how many are awake. Lanes of walls count as awake; what they get is for the caller to overwrite.
     /// @param look seconds ahead that the rule looks: those for which normals are to serve
     std::int64_t (*refresh)(const BatchSpan& batches, const BodyArrays& bodies, double h, double look);
-    /// Gaps and biases (inelastic law) after bodies moved for a time h at velocities u, normals as they are. Pre: gaps are
-    /// kept.
+    /// Gaps and biases (inelastic law) after bodies moved for a time h at velocities u, normals as they are; impulses are
+    /// added to `summed`. Pre: gaps are kept.
     void (*advance)(const BatchSpan& batches, const double* u, double h);
     /// Batches whose frictionless solution moves bodies so that `share` of each overlap at the end of a step h at velocities
     /// u goes and none comes; they hold no impulses. Pre: gaps are kept.

@@ -77,6 +77,7 @@ PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates
         }
         fresh_ = false;
     }
+    std::fill(summed_.begin(), summed_.end(), SearchBatch{});
     return faults;
 }
 

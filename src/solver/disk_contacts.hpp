@@ -59,7 +59,7 @@ public:
         kernels_->relax(BatchSpan{corrections_.data() + r.begin, r.n}, doubles(w), soon);
     }
 
-    /// Local. Gaps and biases after a substep of h at velocities u, normals as they are.
+    /// Local. Gaps and biases after a substep of h at velocities u, normals as they are; its impulses are added up.
     void advance(const std::vector<BodyVelocity<2>>& u, double h);
 
     /// Local. Which pairs are bonded, from their gaps at State::mid and Walls::offset_mid, which are to be the positions
@@ -173,6 +173,19 @@ public:
         });
     }
 
+    /// The same with impulses summed over the substeps since `pack`, the one in hand included.
+    template <class F>
+    void for_each_summed(std::size_t tile, F&& f) const {
+        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+            double r_n = batch.r_n[l], r_t = tangential(k, l);
+            if (!summed_.empty()) {
+                r_n += summed_[static_cast<std::size_t>(k)].n[l];
+                r_t += summed_[static_cast<std::size_t>(k)].t[l];
+            }
+            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r_n, r_t);
+        });
+    }
+
     /// Calls f(name, array) for every array over lanes, which has an element for each or for each batch, and over
     /// candidates.
     template <class F>
@@ -184,6 +197,7 @@ public:
         f("cohesion", cohesion_);
         f("asleep", asleep_);
         f("kept_gaps", kept_gaps_);
+        f("summed", summed_);
         f("corrections", corrections_);
         f("memory[0]", memory_[0]);
         f("memory[1]", memory_[1]);
@@ -249,8 +263,8 @@ private:
     SingleBatch* single_of(std::size_t tile) { return single_.data() + ranges_[tile].begin; }
     BatchSpan span(const Range& range) {
         const auto from = [&](auto& side) { return side.empty() ? nullptr : side.data() + range.begin; };
-        return {batches_.data() + range.begin, range.n,         from(tangent_), from(friction_), from(cohesion_),
-                laws_.uniform_friction,        from(kept_gaps_)};
+        return {batches_.data() + range.begin, range.n,          from(tangent_), from(friction_), from(cohesion_),
+                laws_.uniform_friction,        from(kept_gaps_), from(summed_)};
     }
     /// The tangential impulse of a lane [N s].
     double tangential(std::int64_t batch, std::int64_t l) const {
@@ -316,6 +330,7 @@ private:
     std::vector<CohesionBatch> cohesion_;            ///< empty unless cohesive_
     std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
     std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless keeps_gaps_
+    std::vector<SearchBatch> summed_;                ///< empty unless normals serve for several substeps
     std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
     std::vector<SingleBatch> single_;                ///< empty unless swept over in single precision
     bool keeps_gaps_ = false;

@@ -123,6 +123,11 @@ void advance(const BatchSpan& batches, const double* u, double h) {
             const Lane gap = load(batches.kept_gaps[k].gap + l) + h * v_n;
             store(batches.kept_gaps[k].gap + l, gap);
             store(batch.bias + l, gap > zero ? gap / h : zero);
+            if (batches.summed != nullptr) {
+                SearchBatch& sum = batches.summed[k];
+                store(sum.n + l, load(sum.n + l) + load(batch.r_n + l));
+                store(sum.t + l, batches.tangent ? load(sum.t + l) + load(batches.tangent[k].r_t + l) : zero);
+            }
         }
     }
 }

@@ -19,6 +19,7 @@ void DiskContacts::lay_out(const Step& step) {
     friction_.clear();
     cohesion_.clear();
     kept_gaps_.clear();
+    summed_.clear();
     walls_.clear();
     asleep_.resize(static_cast<std::size_t>(candidates.size()));
     ranges_.assign(n_tiles, {});
@@ -56,6 +57,9 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     }
     if (keeps_gaps_) {
         kept_gaps_.resize(batches_.size());
+    }
+    if (kept_ > 1) {
+        summed_.resize(batches_.size());
     }
 }
 

@@ -66,6 +66,7 @@ std::vector<Field> fields_of(const Features& f) {
               "Iteration"},
         of_lanes("single", lane_of<SingleBatch>, "the contact, rounded", "single precision", f.single),
         of_lanes("kept_gaps", lane_of<KeptGapBatch>, "gap", "kept geometry", f.kept_gaps),
+        of_lanes("summed", lane_of<SearchBatch>, "impulse of the substeps before", "kept geometry", f.kept_normals),
         Field{grain, "correction", sizeof(BodyVelocity<2>), "way to move apart, over the step", "position correction",
               f.correction, "Simulation"},
         of_lanes("corrections", lane_of<DiskBatch>, "the problem of moving grains apart", "position correction",

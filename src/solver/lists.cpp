@@ -12,9 +12,9 @@ namespace nappe {
 /// How far each grain may go before lists are rebuilt: the skin's half for those at rest, `lookahead` steps for those
 /// that move.
 template <int D>
-void Simulation<D>::set_margins(double h) {
+void Simulation<D>::set_margins() {
     const double most = largest_margin();
-    const double ahead = h * scene_.tiles.lookahead;
+    const double ahead = settings().h * scene_.tiles.lookahead;
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double v2 = 0;
         for (int d = 0; d < D; ++d) {

@@ -79,7 +79,7 @@ void Simulation<D>::start_stage(int stage) {
     contacts_.set_kept(std::min(settings().geometry_every, settings().substeps), settings().position_correction > 0);
     domain_.halo().couple_by_sweep(settings().coupling == SolverSettings::Coupling::sweep);
     state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
-    set_margins(settings().h / settings().substeps);
+    set_margins();
     rebuild();
     rebuild_due_ = false;
     rescale_impulses(settings().h / settings().substeps);

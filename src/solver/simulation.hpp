@@ -121,14 +121,18 @@ private:
     void begin_substep(double h);
     void agree(double h, int n, const PackFaults& faults, std::uint32_t outside);
     void end_substep(double h);
-    void correct_positions(double h, int sweeps); // correction.cpp
-    double step_dissipation(double h);
+    bool walls_change_speed() const;
+    bool corrects() const { return settings().position_correction > 0; }
+    void note_gain(double h); // correction.cpp
+    void correct_positions(double h, int sweeps);
+    void move_apart(double h);
+    double dissipation();
     void predict(double h);
     PackFaults detect(double h, bool activate_all);
     void solve(double h, int sweeps, Start start, bool with_residual);
-    std::uint32_t check(double h, const PackFaults& faults);
+    std::uint32_t check(double h, int n, const PackFaults& faults);
     void integrate(double h);
-    void collect();
+    void collect(int n);
     void collect_energy(double h);
     void find_reported_tiles();
 
@@ -136,7 +140,7 @@ private:
     void find_bonds();
     void drive_walls();
     void rescale_impulses(double h);
-    void set_margins(double h);
+    void set_margins();
     void widen_margins(double h);
     bool rebalance_if_due();
     void place_walls();
@@ -175,8 +179,10 @@ private:
     double impulse_h_ = 0;   ///< step [s] whose impulses the candidates hold: forces are kept where h changes
     std::uint32_t agreed_ = 0;
     std::vector<BodyVelocity<D>>
-        correction_;  ///< displacements of the step over h; empty unless positions are corrected
-    double lift_ = 0; ///< potential energy that they cost [J]
+        correction_;            ///< displacements of the step over h; empty unless positions are corrected
+    double lift_ = 0;           ///< potential energy that they cost [J]
+    double steering_scale_ = 0; ///< V that tolerance and quiet tiles go by [m/s]
+    std::vector<double> gains_; ///< mechanical energy of each tile's grains, since the last correction [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;

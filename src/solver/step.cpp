@@ -28,7 +28,11 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
         predict(h);
         const PackFaults faults = detect(h, activate_all);
         solve(h, sweeps, Start::warm, with_residual);
-        correct_positions(h, correction_sweeps(sweeps));
+        if (corrects()) {
+            gains_.clear();
+            note_gain(h);
+            correct_positions(h, sweeps);
+        }
         agree(h, 1, faults, outside);
         if ((agreed_ & (flag::outran_list | flag::missed_contact)) == 0) {
             break;
@@ -52,17 +56,20 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
             activate_all = true;
         }
     }
+    collect(1);
     end_substep(h);
+    if (corrects()) {
+        move_apart(h);
+    }
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
     some_fast_ = (agreed_ & flag::fast) != 0;
 }
 
-/// Lists, walls and bonds as the substep needs them.
+/// Lists and bonds as the substep needs them.
 template <int D>
 void Simulation<D>::begin_substep(double h) {
-    drive_walls();
     if (rebuild_due_) {
-        set_margins(h);
+        set_margins();
         rebuild();
     }
     find_bonds();
@@ -71,7 +78,7 @@ void Simulation<D>::begin_substep(double h) {
 /// What all ranks find wrong with the last `n` substeps, into agreed_; throws if nothing helps.
 template <int D>
 void Simulation<D>::agree(double h, int n, const PackFaults& faults, std::uint32_t outside) {
-    agreed_ = check(h, faults) | look_for_passages(h, n) | outside;
+    agreed_ = check(h, n, faults) | look_for_passages(h, n) | outside;
     {
         const auto lap = watch_.lap(Timed::check);
         agreed_ = comm_.bit_or(agreed_);
@@ -84,20 +91,10 @@ void Simulation<D>::agree(double h, int n, const PackFaults& faults, std::uint32
 
 template <int D>
 void Simulation<D>::end_substep(double h) {
-    collect();
     if (energy_wanted_) {
         collect_energy(h);
     }
     integrate(h);
-    if (settings().position_correction > 0) {
-        correction_work_ += lift_;
-        for (LocalId i = 0; i < state_.n_held(); ++i) {
-            for (int d = 0; d < D; ++d) {
-                state_.x[i][d] += h * correction_[i].v[d];
-                state_.mid[i].x[d] = state_.x[i][d];
-            }
-        }
-    }
     ++stage_substeps_;
 }
 
@@ -107,6 +104,11 @@ void Simulation<D>::drive_walls() {
     for (int w = 0; w < walls_.n_walls(); ++w) {
         walls_.v[w] = driven_velocity(scene_.walls[w], stage_, preparing, time(), time() + settings().h);
     }
+}
+
+template <int D>
+bool Simulation<D>::walls_change_speed() const {
+    return !std::equal(walls_.v.begin(), walls_.v.end(), walls_.v_old.begin());
 }
 
 /// Detection positions, and from the velocities of the step's start the free ones.
@@ -154,7 +156,12 @@ PackFaults Simulation<D>::detect(double h, bool activate_all) {
 
 template <int D>
 void Simulation<D>::solve(double h, int sweeps, Start start, bool with_residual) {
-    const double scale = with_residual || settings().tolerance || settings().adaptive ? velocity_scale(h) : 0.0;
+    // Quiet tiles do with the V of the first substep of a geometry.
+    const bool steers = settings().tolerance || (settings().adaptive && start == Start::warm);
+    const double scale = steers || with_residual ? velocity_scale(h) : 0.0;
+    if (steers) {
+        steering_scale_ = scale;
+    }
     const auto relaxing = [&] { // seconds, without what else happens between sweeps
         const auto& s = watch_.seconds();
         const auto at = [](Timed t) { return static_cast<std::size_t>(t); };
@@ -170,7 +177,7 @@ void Simulation<D>::solve(double h, int sweeps, Start start, bool with_residual)
         if (start == Start::warm) {
             solver_.warm_start(contacts_, domain_.halo(), state_.u);
         }
-        report = solver_.solve(contacts_, domain_.halo(), state_.u, settings(), sweeps, scale);
+        report = solver_.solve(contacts_, domain_.halo(), state_.u, settings(), sweeps, steering_scale_);
     }
     relaxing_ += relaxing() - before;
     costs_.add(contacts_, report.sweeps, solver_.tile_sweeps(), solver_.tile_seconds());
@@ -215,15 +222,16 @@ double Simulation<D>::velocity_scale(double h) const {
     return scale;
 }
 
+/// What may be wrong with a substep, and whether lists will last for the next `n` of them.
 template <int D>
-std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
+std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults) {
     const auto lap = watch_.lap(Timed::check);
     std::uint32_t flags = faults.through_wall != PackFaults::none ? flag::through_wall : 0;
-    const bool correcting = settings().position_correction > 0;
-    const double falling = h * h * scene_.gravity.norm(); // what gravity may add in the next step
+    const bool correcting = corrects();
+    const double falling = n * h * (n * h) * scene_.gravity.norm(); // what gravity may add until then
     const double most = largest_margin();
     for (LocalId i = 0; i < state_.n_own; ++i) {
-        // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole step, and by one
+        // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole substep, and by n
         // more.
         double here = 0, next = 0, jump = 0, stride = 0;
         for (int d = 0; d < D; ++d) {
@@ -231,7 +239,8 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
             const double at = state_.mid[i].x[d] - state_.x_ref[i][d] + move;
             const double from_start = state_.mid[i].x[d] - state_.x[i][d] + move;
             here += at * at;
-            next += (at + move) * (at + move);
+            const double later = at + n * h * state_.u[i].v[d];
+            next += later * later;
             jump += from_start * from_start;
             stride += move * move;
         }
@@ -253,7 +262,7 @@ std::uint32_t Simulation<D>::check(double h, const PackFaults& faults) {
         if (at.norm() > walls_.margin[w]) {
             flags |= flag::outran_list;
         }
-        if ((at + h * walls_.v[w]).norm() > walls_.margin[w]) {
+        if ((at + n * h * walls_.v[w]).norm() > walls_.margin[w]) {
             flags |= flag::rebuild_next;
         }
     }
@@ -302,20 +311,20 @@ void Simulation<D>::find_reported_tiles() {
     }
 }
 
-/// Adds the step's impulses to what the series report.
+/// Adds the impulses of the last `n` substeps, which had one geometry, to what the series report.
 template <int D>
-void Simulation<D>::collect() {
+void Simulation<D>::collect(int n) {
     const auto lap = watch_.lap(Timed::measure);
     for (const std::size_t t : reported_tiles_) {
-        contacts_.for_each(t, [&](LocalId a, LocalId b, const Vec<D>& n, double r_n, double r_t) {
+        contacts_.for_each_summed(t, [&](LocalId a, LocalId b, const Vec<D>& normal, double r_n, double r_t) {
             if (b < state_.n_held() && (state_.cells_of(a) | state_.cells_of(b)) == 0) {
                 return;
             }
-            sums_.add(state_, a, b, n, r_n * n + r_t * Vec<D>(-n[1], n[0]));
+            sums_.add(state_, a, b, normal, r_n * normal + r_t * Vec<D>(-normal[1], normal[0]));
         });
         sums_.end_tile();
     }
-    sums_.end_step();
+    sums_.end_steps(n);
 }
 
 /// All ranks throw the same error, which names the lowest grain concerned.

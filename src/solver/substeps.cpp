@@ -13,11 +13,14 @@ std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
     const int n = settings.substeps;
     const int sweeps = (settings.sweeps + n - 1) / n;
     const double h = settings.h / n;
+    drive_walls();
     for (int done = 0; done < n;) {
         const int group = std::min(settings.geometry_every, n - done);
         const bool residual_wanted = with_residual && done + group == n;
-        // What is fast turns its normals: then every substep measures its own.
-        if (group == 1 || some_fast_ || !kept_substeps(h, sweeps, group, outside, residual_wanted)) {
+        // What is fast turns its normals: then every substep measures its own. And work is impulse times the mean of a
+        // wall's old and new velocity: summed impulses have it only where both are the same.
+        if (group == 1 || some_fast_ || walls_change_speed() ||
+            !kept_substeps(h, sweeps, group, outside, residual_wanted)) {
             for (int k = 1; k <= group; ++k) {
                 substep(h, sweeps, outside, residual_wanted && k == group);
             }
@@ -48,6 +51,7 @@ struct Simulation<D>::Before {
 template <int D>
 bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual) {
     begin_substep(h);
+    gains_.clear();
     const Before before{state_.x, state_.u, state_.rotation, walls_.offset,   walls_.v_old,
                         sums_,    energy_,  stage_substeps_, correction_work_};
     predict(h);
@@ -57,24 +61,30 @@ bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t out
             {
                 const auto lap = watch_.lap(Timed::geometry);
                 contacts_.advance(state_.u, h);
-                if (settings().position_correction > 0) {
-                    contacts_.advance(correction_, h);
-                }
             }
             predict_kept(h);
         }
         const bool last = k == n;
         solve(h, sweeps, k == 1 ? Start::warm : Start::as_it_is, with_residual && last);
-        correct_positions(h, correction_sweeps(sweeps));
+        if (corrects()) {
+            note_gain(h);
+        }
         if (last) {
+            if (corrects()) {
+                correct_positions(h, n * sweeps);
+            }
             agree(h, n, faults, outside);
             if ((agreed_ & (flag::outran_list | flag::missed_contact)) != 0) {
                 ++counters_.redone_groups;
                 restore(before);
                 return false;
             }
+            collect(n);
         }
         end_substep(h);
+    }
+    if (corrects()) {
+        move_apart(h);
     }
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
     some_fast_ = (agreed_ & flag::fast) != 0;

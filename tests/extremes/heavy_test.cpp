@@ -10,6 +10,7 @@
 // across, over 2 sin phi. On many contacts with friction (three layers) nothing is derived: the stack's factor is asked.
 
 #include "extremes/heavy_scenes.hpp"
+#include "io/scene_reader.hpp"
 
 #include <gtest/gtest.h>
 
@@ -108,6 +109,85 @@ TEST(Heavy, InTime) {
                 << scene.name << " " << ratio << ": a centre inside another grain, and nobody said so";
             // At rest at the start: all energy comes from sinking.
             EXPECT_LE(kinetic(run) + potential(run), energy + 1e-9 * std::abs(energy)) << scene.name << " " << ratio;
+        }
+    }
+}
+
+/// Contacts without friction are a quadratic problem: conjugate gradients solve it in about as many steps as it has
+/// contacts (23 here), whatever the masses. A step passes three times over the contacts: 300 sweeps' work is 100 of them.
+TEST(Heavy, ConjugateGradientsDoNotPayForTheRatio) {
+    for (const double ratio : decades(1, 1e6)) {
+        for (const auto& scene : heavy_scenes(ratio)) {
+            if (scene.name == std::string("heavy on three layers")) {
+                continue; // friction
+            }
+            auto settings = solver(h, 10);
+            settings.method = SolverSettings::Method::cpg;
+            settings.tolerance = 1e-8;
+            settings.max_sweeps = 100;
+            const auto step = solve_cold(scene, settings);
+            EXPECT_TRUE(step.converged) << scene.name << " " << ratio << ": " << step.residual;
+            EXPECT_LE(step.force_error, scene.factor * *settings.tolerance + round_off) << scene.name << " " << ratio;
+        }
+    }
+}
+
+/// The settings that `accuracy = "tight"` chooses.
+SolverSettings tight() {
+    const auto scene = parse_scene(R"(
+accuracy = "tight"
+[world]
+dimension = 2
+gravity = [0, -9.81]
+[materials.rock]
+density = 2800
+[[laws]]
+between = ["rock", "rock"]
+type = "frictional"
+friction = 0.4
+[[laws]]
+between = ["rock", "wall"]
+type = "frictional"
+friction = 0.4
+[[grains]]
+material = "rock"
+radius = 1
+position = [0, 1]
+[[walls]]
+name = "floor"
+points = [[-1, 0], [1, 0]]
+[[stages]]
+name = "rest"
+duration = 1
+[solver]
+h = 0.005
+)",
+                                   "tight.toml");
+    return scene.stages[0].solver;
+}
+
+/// What a user is promised of forces: 1 % of the weight, from the first, cold step on.
+TEST(Heavy, TightForces) {
+    for (const double ratio : decades(1, 1e6)) {
+        for (auto& scene : heavy_scenes(ratio)) {
+            Stage stage;
+            stage.name = "rest";
+            stage.duration = 1;
+            stage.solver = tight();
+            scene.scene.stages = {stage};
+            SerialRun run(scene.scene);
+            double first = 0, worst = 0, residual = 0;
+            for (int k = 0; k < 200; ++k) {
+                run.steps(1, true);
+                const double error = force_error(run, scene, stage.solver.h);
+                const double left = run.simulation().last_residual()->largest;
+                first = k == 0 ? error : first;
+                worst = std::max(worst, error);
+                residual = std::max(residual, left);
+            }
+            found("heavy tight", scene.name, digits(ratio), run.simulation().counters().sweeps / 200, digits(residual),
+                  digits(first), digits(worst), digits(worst / residual), digits(overlaps(run.simulation()).largest));
+            EXPECT_LE(worst, 0.01) << scene.name << " " << ratio;
         }
     }
 }

@@ -92,7 +92,7 @@ const std::vector<Case>& cases() {
          {"Iteration::velocities", "DiskContacts::memory[0]", "DiskContacts::memory[1]"}},
         {"kept_geometry",
          [](auto& scene) { scene.stages[0].solver.substeps = scene.stages[0].solver.geometry_every = 2; },
-         {"DiskContacts::kept_gaps"}},
+         {"DiskContacts::kept_gaps", "DiskContacts::summed"}},
         {"geometry_of_one_step", [](auto& scene) { scene.stages[0].solver.substeps = 2; }, {}},
         {"position_correction",
          [](auto& scene) { scene.stages[0].solver.position_correction = 0.2; },
@@ -222,12 +222,12 @@ TEST(Fields, BytesAreThoseOfTheArrays) {
     Features none;
     none.friction = none.mixed_friction = none.restitution = none.cohesion = none.turning = none.cells = none.layers =
         none.driven_walls = false;
-    none.kept_gaps = none.correction = none.adaptive = none.single = false;
+    none.kept_normals = none.kept_gaps = none.correction = none.adaptive = none.single = false;
     none.impulses_kept = none.velocities_kept = 0;
     EXPECT_EQ(bytes_per_grain(none), 8u + 16 + 32 + 16 + 8 + 32 + 32 + 8 + 8 + 4);
     EXPECT_EQ(bytes_per_contact(none), (4u + 4 + 8 + 4) + (6 * 8 + 4));
     EXPECT_EQ(bytes_per_grain(Features()), bytes_per_grain(none) + 8 + 8 + 4 + 2 * 32 + 32 + 32 + 16);
-    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 2 * 16 + 48 + 32);
+    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 3 * 16 + 48 + 32);
 }
 
 TEST(Fields, VariantsOfTheKernelAreNamed) {

@@ -75,6 +75,42 @@ TEST(KeptGeometry, NormalsAreRenewedEveryStep) {
     }
 }
 
+/// What a floor and a moving wall gave is reported whole, whatever shares a geometry: the grains' momentum changes by it and
+/// by gravity's, and their energy by the walls' work less what contacts took, which is at least 0.
+TEST(KeptGeometry, AllSubstepsAreReported) {
+    for (const int every : {1, 5}) {
+        auto b = falling_deposit();
+        b.scene().walls[1].motion = Motion<2>{{0.3, 0}, 0, 0, {}};
+        auto settings = solver(0.01, 50);
+        settings.substeps = 5;
+        settings.geometry_every = every;
+        SerialRun run(b.stage(settings).scene());
+        run.steps(3);
+        const auto momentum = [&] {
+            Vec<2> sum = Vec<2>::Zero();
+            for (const auto& row : run.simulation().grain_rows()) {
+                sum += row.mass * Vec<2>(row.v[0], row.v[1]);
+            }
+            return sum;
+        };
+        auto& sums = run.simulation().sums();
+        sums.clear();
+        const auto before = momentum();
+        const double energy = energy_of(run);
+        run.steps(40);
+        EXPECT_EQ(sums.n_steps(), 40 * 5) << every;
+        Vec<2> given(0, -run.simulation().total_mass() * g * 40 * settings.h);
+        for (int w = 0; w < run.simulation().walls().n_walls(); ++w) {
+            given -= sums.wall_impulse(static_cast<std::size_t>(w)); // that is of grains on walls
+        }
+        const double scale = run.simulation().total_mass() * g * 40 * settings.h;
+        EXPECT_LT((momentum() - before - given).norm(), 1e-10 * scale) << every; // round-off of 200 substeps
+        EXPECT_GT(given.norm(), 0.01 * scale) << "nothing was hit";
+        EXPECT_LT(energy_of(run), energy + sums.wall_work()) << every;
+        EXPECT_GT(sums.wall_work(), 0) << every;
+    }
+}
+
 /// A tile that is left alone only while nothing at all changes leaves every bit as it was.
 TEST(Adaptive, NoToleranceNoDifference) {
     const auto run_of = [](std::optional<double> adaptive) {
@@ -138,10 +174,11 @@ TEST(Adaptive, AnImpactWakesWhatIsBelow) {
 /// The correction of positions moves grains only as far as contacts have dissipated: without it the step would have lost at
 /// least what it lifts. (A step of so few sweeps may give energy back, as an elastic body does; then nothing is lifted.)
 TEST(PositionCorrection, PutsNoEnergyIn) {
-    for (const double share : {0.0, 0.3}) {
+    for (const auto& [share, substeps] : {std::pair(0.0, 1), std::pair(0.3, 1), std::pair(0.8, 5)}) {
         auto b = falling_deposit();
         auto settings = solver(0.02, 60); // too few for its layers: overlaps
         settings.position_correction = share;
+        settings.substeps = settings.geometry_every = substeps;
         SerialRun run(b.stage(settings).scene());
         const double scale = 8 * 4 * 0.83 * 2800 * g * 4; // of all energies [J]
         double before = energy_of(run), lifted_before = 0;
