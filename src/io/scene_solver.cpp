@@ -79,10 +79,11 @@ void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, S
         say("position_correction", solver.position_correction, 0.8);
         break;
     case Accuracy::tight:
-        say("method", solver.method, SolverSettings::Method::apgd);
+        say("method", solver.method, SolverSettings::Method::ansgs);
         say("sweeps", solver.sweeps, 20);
         say("tolerance", solver.tolerance, 1e-4);
-        say("max_sweeps", solver.max_sweeps, 20000);
+        say("substeps", solver.substeps, 10);
+        say("max_sweeps", solver.max_sweeps, 10000);
         break;
     }
 }

@@ -179,7 +179,7 @@ TEST(Heavy, TightForces) {
             double first = 0, worst = 0, residual = 0;
             for (int k = 0; k < 200; ++k) {
                 run.steps(1, true);
-                const double error = force_error(run, scene, stage.solver.h);
+                const double error = force_error(run, scene, stage.solver.h / stage.solver.substeps);
                 const double left = run.simulation().last_residual()->largest;
                 first = k == 0 ? error : first;
                 worst = std::max(worst, error);

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 namespace nappe {
@@ -27,9 +28,12 @@ std::string shown(const Vec<2>& v) {
 }
 
 std::string shown(const SolverSettings& s) {
-    return fmt::format("method {} h {:a} substeps {} theta {:a} sweeps {} tolerance {:a} max {} every {}",
+    return fmt::format("method {} h {:a} substeps {} theta {:a} sweeps {} tolerance {:a} max {} every {} {} geometry {} "
+                       "adaptive {:a} correction {:a} warm {} coupling {} precision {}",
                        static_cast<int>(s.method), s.h, s.substeps, s.theta, s.sweeps, s.tolerance.value_or(-1),
-                       s.max_sweeps, s.check_every);
+                       s.max_sweeps, s.check_every, static_cast<int>(s.at_max), s.geometry_every,
+                       s.adaptive.value_or(-1), s.position_correction, s.warm_start, static_cast<int>(s.coupling),
+                       static_cast<int>(s.precision));
 }
 
 /// Every field of a scene but its text, to the last bit.
@@ -159,6 +163,59 @@ solver.h = 0.1)",
     expected.grains = {{.material = 1, .radius = 1}};
     expected.stages = {{.name = "fall", .until = {}, .duration = 1, .solver = {.h = 0.1, .tolerance = {}}}};
     EXPECT_EQ(fields(scene), fields(expected));
+}
+
+/// docs/scene.md lists what each named accuracy chooses: a scene that says these keys itself is the same scene. What
+/// [solver] says goes before, and quiet tiles are only asked of sweeps that have them.
+TEST(scene_reader, named_accuracies_choose_what_the_docs_list) {
+    const auto scene_with = [](const std::string& top, const std::string& solver) {
+        return fields(parse_scene(top + R"(
+materials.rock.density = 1
+laws = [{ between = ["rock", "rock"], type = "frictional", friction = 0 }]
+grains = [{ material = "rock", radius = 1, position = [0, 0] }]
+stages = [{ name = "settle", until = { kinetic = 1e-8, residual = 1e-4, at_most = 10 } }, { name = "fall", duration = 1 }]
+solver.h = 0.1
+)" + solver,
+                                  "accuracy.toml"));
+    };
+    std::ifstream file(source_dir + "/docs/scene.md");
+    std::map<std::string, std::vector<std::string>> listed; // name -> "key = value"
+    for (std::string line; std::getline(file, line);) {
+        for (const std::string name : {"fast", "balanced", "tight"}) {
+            if (line.rfind("- `\"" + name + "\"`:", 0) == 0) {
+                for (auto at = line.find('`', line.find(':')); at != std::string::npos; at = line.find('`', at + 1)) {
+                    const auto end = line.find('`', at + 1);
+                    listed[name].push_back(line.substr(at + 1, end - at - 1));
+                    at = end;
+                }
+            }
+        }
+    }
+    ASSERT_EQ(listed.size(), 3u);
+    for (const auto& [name, keys] : listed) {
+        ASSERT_GE(keys.size(), 3u) << name;
+        std::string of_stage;
+        for (const auto& key : keys) {
+            of_stage += (of_stage.empty() ? "" : ", ") + key;
+        }
+        const auto spelt = [&] { // for the stage with a duration only
+            return fields(parse_scene(fmt::format(R"(
+materials.rock.density = 1
+laws = [{{ between = ["rock", "rock"], type = "frictional", friction = 0 }}]
+grains = [{{ material = "rock", radius = 1, position = [0, 0] }}]
+stages = [{{ name = "settle", until = {{ kinetic = 1e-8, residual = 1e-4, at_most = 10 }} }},
+          {{ name = "fall", duration = 1, solver = {{ {} }} }}]
+solver.h = 0.1
+)",
+                                                  of_stage),
+                                      "spelt.toml"));
+        };
+        EXPECT_EQ(scene_with("accuracy = \"" + name + "\"", ""), spelt()) << name;
+    }
+    EXPECT_NE(scene_with("accuracy = \"fast\"", "solver.substeps = 6").find("substeps 6"), std::string::npos);
+    const auto other = scene_with("accuracy = \"balanced\"", "solver.method = \"ansgs\"");
+    EXPECT_NE(other.find("substeps 10"), std::string::npos);
+    EXPECT_EQ(other.find(fmt::format("adaptive {:a}", 3e-3)), std::string::npos) << other;
 }
 
 /// What a scene says of places is relative to its origin, and refused where doubles of the file are too coarse.
