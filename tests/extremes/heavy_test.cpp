@@ -62,8 +62,8 @@ TEST(Heavy, EverySolver) {
                       digits(step.force_error), step.converged ? "converged" : "");
                 ASSERT_TRUE(std::isfinite(step.residual) && std::isfinite(step.force_error)) << name << scene.name;
                 EXPECT_TRUE(step.converged || step.sweeps >= settings.max_sweeps) << name << ", " << scene.name;
-                // A check acts four sweeps later: a residual that does not fall steadily may be above it again by then.
-                EXPECT_LE(step.converged ? step.residual : 0.0, 10 * *settings.tolerance) << name << ", " << scene.name;
+                // A check acts at once, or four sweeps later where the residual falls steadily (nsgs).
+                EXPECT_LE(step.converged ? step.residual : 0.0, *settings.tolerance) << name << ", " << scene.name;
                 EXPECT_LE(step.force_error, scene.factor * step.residual + round_off)
                     << name << ", " << scene.name << ", " << ratio;
             }
@@ -186,7 +186,8 @@ TEST(Heavy, TightForces) {
                 residual = std::max(residual, left);
             }
             found("heavy tight", scene.name, digits(ratio), run.simulation().counters().sweeps / 200, digits(residual),
-                  digits(first), digits(worst), digits(worst / residual), digits(overlaps(run.simulation()).largest));
+                  digits(first), digits(worst), residual > round_off ? digits(worst / residual) : "",
+                  digits(overlaps(run.simulation()).largest));
             EXPECT_LE(worst, 0.01) << scene.name << " " << ratio;
         }
     }

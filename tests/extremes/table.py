@@ -18,6 +18,8 @@ CASES = "Origin Ranks Refusals Pile".split()
 
 HEADS = {
     "heavy in time": ["scene", "mass ratio", "largest overlap / r", "heavy one sank / r", "force error after 1 s"],
+    "heavy tight": ["scene", "mass ratio", "sweeps a step", "largest residual", "force error of the first step",
+                    "largest of all steps", "over the largest residual", "overlap / r"],
     "stacks": ["disks", "sweeps to 1e-6", "over those of a decade", "residual", "force error / weight"],
     "stacks in time": ["disks", "overlap / r", "force error after 1 s"],
     "radii": ["radius ratio", "mass ratio", "sweeps", "residual", "force error / weight"],
