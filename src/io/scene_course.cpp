@@ -113,6 +113,7 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
         const bool rebounds =
             std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& law) { return law.restitution > 0; });
         choose(*accuracy, rebounds, *solver, loading_base);
+        drop_quiet_tiles(*solver, loading_base);
     }
     if (solver) {
         check_solver(*solver, loading_base);
@@ -133,6 +134,9 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
         stage.solver = stage.until ? base : loading_base;
         if (const auto own = table.table("solver", "[solver]", "write solver = { h = 0.01 }")) {
             read_solver_keys(*own, stage.solver, Need::optional);
+            if (accuracy && !stage.until && !(solver && solver->has("adaptive"))) {
+                drop_quiet_tiles(*own, stage.solver);
+            }
             check_solver(*own, stage.solver);
             refuse_idle_keys(*own, stage.solver.tolerance.has_value());
         }

@@ -57,25 +57,17 @@ void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, S
             target = value;
         }
     };
-    const auto leave_alone_below = [&](double share) { // where the sweeps can
-        const bool plain = solver.method == SolverSettings::Method::nsgs &&
-                           solver.precision == SolverSettings::Precision::full &&
-                           solver.coupling == SolverSettings::Coupling::colour;
-        if (plain) {
-            say("adaptive", solver.adaptive, share);
-        }
-    };
     switch (accuracy) {
     case Accuracy::fast:
         say("substeps", solver.substeps, 4);
         say("geometry_every", solver.geometry_every, rebounds ? 1 : 4);
-        leave_alone_below(3e-2);
+        say("adaptive", solver.adaptive, 3e-2);
         say("position_correction", solver.position_correction, 0.8);
         break;
     case Accuracy::balanced:
         say("substeps", solver.substeps, 10);
         say("geometry_every", solver.geometry_every, rebounds ? 1 : 10);
-        leave_alone_below(3e-3);
+        say("adaptive", solver.adaptive, 3e-3);
         say("position_correction", solver.position_correction, 0.8);
         break;
     case Accuracy::tight:
@@ -85,6 +77,15 @@ void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, S
         say("substeps", solver.substeps, 10);
         say("max_sweeps", solver.max_sweeps, 10000);
         break;
+    }
+}
+
+void drop_quiet_tiles(const TableReader& table, SolverSettings& solver) {
+    const bool plain = solver.method == SolverSettings::Method::nsgs &&
+                       solver.precision == SolverSettings::Precision::full &&
+                       solver.coupling == SolverSettings::Coupling::colour;
+    if (!plain && !table.has("adaptive")) {
+        solver.adaptive.reset();
     }
 }
 

@@ -14,6 +14,10 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
 enum class Accuracy { fast, balanced, tight };
 void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, SolverSettings& solver);
 
+/// Takes back the quiet tiles that an accuracy chose, where `table` asks for sweeps that have none and does not name them
+/// itself. Local.
+void drop_quiet_tiles(const TableReader& table, SolverSettings& solver);
+
 /// Rules between keys, told at a table that takes part in the matter. Local.
 void check_solver(const TableReader& table, const SolverSettings& solver);
 

@@ -1,10 +1,9 @@
-// The scene file: every key arrives in its field, every rule gives its message, overrides, the jobs of the repository,
-// and docs/scene.md against the keys that the reader knows.
+// The scene file: every key arrives in its field, every rule gives its message, overrides, the jobs of the repository.
 #include "bad_scenes.hpp"
 #include "scene_examples.hpp"
+#include "scene_fields.hpp"
 
 #include "core/error.hpp"
-#include "io/scene_keys.hpp"
 #include "io/scene_reader.hpp"
 
 #include <fmt/format.h>
@@ -13,89 +12,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <sstream>
 
 namespace nappe {
 namespace {
 
+using test::fields;
 using test::sound_scene;
 
 const std::string source_dir = NAPPE_SOURCE_DIR;
-
-std::string shown(const Vec<2>& v) {
-    return fmt::format("({:a}, {:a})", v[0], v[1]);
-}
-
-std::string shown(const SolverSettings& s) {
-    return fmt::format("method {} h {:a} substeps {} theta {:a} sweeps {} tolerance {:a} max {} every {} {} geometry {} "
-                       "adaptive {:a} correction {:a} warm {} coupling {} precision {}",
-                       static_cast<int>(s.method), s.h, s.substeps, s.theta, s.sweeps, s.tolerance.value_or(-1),
-                       s.max_sweeps, s.check_every, static_cast<int>(s.at_max), s.geometry_every,
-                       s.adaptive.value_or(-1), s.position_correction, s.warm_start, static_cast<int>(s.coupling),
-                       static_cast<int>(s.precision));
-}
-
-/// Every field of a scene but its text, to the last bit.
-std::string fields(const Scene<2>& scene) {
-    std::string text =
-        fmt::format("title {} gravity {} origin {}\n", scene.title, shown(scene.gravity), shown(scene.origin));
-    for (const auto& m : scene.materials) {
-        text +=
-            fmt::format("material {} {:a} {:a} {:a}\n", m.name, m.density, m.gamma.value_or(-1), m.d_w.value_or(-1));
-    }
-    for (const auto& l : scene.laws) {
-        text += fmt::format("law {} {} {:a} {:a} {:a} {:a}\n", l.material_a, l.material_b, l.friction, l.restitution,
-                            l.gamma, l.d_w);
-    }
-    if (scene.sample) {
-        const auto& s = *scene.sample;
-        text += fmt::format("sample {} {} {:a} {:a} {} profile", s.material, static_cast<int>(s.radii.kind),
-                            s.radii.min, s.radii.max, s.seed);
-        for (const auto& p : s.profile) {
-            text += shown(p);
-        }
-        for (const auto& top : s.layer_tops) {
-            text += fmt::format(" top {:a}", top);
-        }
-        text += "\n";
-    }
-    for (const auto& g : scene.grains) {
-        text += fmt::format("grain {} {:a} {} {} {:a} {}\n", g.material, g.radius, shown(g.position), shown(g.velocity),
-                            g.spin[0], g.layer);
-    }
-    for (const auto& w : scene.walls) {
-        text += fmt::format("wall {} {} ", w.name, w.material);
-        for (const auto& p : w.points) {
-            text += shown(p);
-        }
-        if (w.motion) {
-            text += fmt::format(" motion {} {} {:a} {:a}", shown(w.motion->velocity), w.motion->stage, w.motion->start,
-                                w.motion->stop.value_or(-1));
-        }
-        text += "\n";
-    }
-    for (const auto& s : scene.stages) {
-        text += fmt::format("stage {} {:a} {}", s.name, s.duration, shown(s.solver));
-        if (s.until) {
-            text += fmt::format(" until {:a} {:a} {:a}", s.until->kinetic, s.until->residual, s.until->at_most);
-        }
-        text += "\n";
-    }
-    const auto& o = scene.output;
-    text += fmt::format("output {} {} {:a}", o.frames_every, o.series_every, o.front_bin);
-    text += fmt::format(" measures {} {:a} {:a} {}", o.measures.during_run, o.measures.spacing, o.measures.range,
-                        o.measures.energy);
-    if (o.zone) {
-        text += fmt::format(" zone {} {} {:a}", o.zone->wall, shown(o.zone->tip), o.zone->tolerance);
-    }
-    for (const auto& c : o.cells) {
-        text += fmt::format(" cell {} {} {:a}", c.name, shown(c.centre), c.radius);
-    }
-    return text + fmt::format("\ntiles {:a} {:a} {:a} balance {:a} {} {} {}\n", scene.tiles.side, scene.tiles.skin,
-                              scene.tiles.lookahead, scene.balance.threshold, scene.balance.every,
-                              static_cast<int>(scene.balance.by), static_cast<int>(scene.balance.moves));
-}
 
 std::string error_of(std::string_view text, const std::vector<std::string>& overrides = {}) {
     try {
@@ -163,59 +87,6 @@ solver.h = 0.1)",
     expected.grains = {{.material = 1, .radius = 1}};
     expected.stages = {{.name = "fall", .until = {}, .duration = 1, .solver = {.h = 0.1, .tolerance = {}}}};
     EXPECT_EQ(fields(scene), fields(expected));
-}
-
-/// docs/scene.md lists what each named accuracy chooses: a scene that says these keys itself is the same scene. What
-/// [solver] says goes before, and quiet tiles are only asked of sweeps that have them.
-TEST(scene_reader, named_accuracies_choose_what_the_docs_list) {
-    const auto scene_with = [](const std::string& top, const std::string& solver) {
-        return fields(parse_scene(top + R"(
-materials.rock.density = 1
-laws = [{ between = ["rock", "rock"], type = "frictional", friction = 0 }]
-grains = [{ material = "rock", radius = 1, position = [0, 0] }]
-stages = [{ name = "settle", until = { kinetic = 1e-8, residual = 1e-4, at_most = 10 } }, { name = "fall", duration = 1 }]
-solver.h = 0.1
-)" + solver,
-                                  "accuracy.toml"));
-    };
-    std::ifstream file(source_dir + "/docs/scene.md");
-    std::map<std::string, std::vector<std::string>> listed; // name -> "key = value"
-    for (std::string line; std::getline(file, line);) {
-        for (const std::string name : {"fast", "balanced", "tight"}) {
-            if (line.rfind("- `\"" + name + "\"`:", 0) == 0) {
-                for (auto at = line.find('`', line.find(':')); at != std::string::npos; at = line.find('`', at + 1)) {
-                    const auto end = line.find('`', at + 1);
-                    listed[name].push_back(line.substr(at + 1, end - at - 1));
-                    at = end;
-                }
-            }
-        }
-    }
-    ASSERT_EQ(listed.size(), 3u);
-    for (const auto& [name, keys] : listed) {
-        ASSERT_GE(keys.size(), 3u) << name;
-        std::string of_stage;
-        for (const auto& key : keys) {
-            of_stage += (of_stage.empty() ? "" : ", ") + key;
-        }
-        const auto spelt = [&] { // for the stage with a duration only
-            return fields(parse_scene(fmt::format(R"(
-materials.rock.density = 1
-laws = [{{ between = ["rock", "rock"], type = "frictional", friction = 0 }}]
-grains = [{{ material = "rock", radius = 1, position = [0, 0] }}]
-stages = [{{ name = "settle", until = {{ kinetic = 1e-8, residual = 1e-4, at_most = 10 }} }},
-          {{ name = "fall", duration = 1, solver = {{ {} }} }}]
-solver.h = 0.1
-)",
-                                                  of_stage),
-                                      "spelt.toml"));
-        };
-        EXPECT_EQ(scene_with("accuracy = \"" + name + "\"", ""), spelt()) << name;
-    }
-    EXPECT_NE(scene_with("accuracy = \"fast\"", "solver.substeps = 6").find("substeps 6"), std::string::npos);
-    const auto other = scene_with("accuracy = \"balanced\"", "solver.method = \"ansgs\"");
-    EXPECT_NE(other.find("substeps 10"), std::string::npos);
-    EXPECT_EQ(other.find(fmt::format("adaptive {:a}", 3e-3)), std::string::npos) << other;
 }
 
 /// What a scene says of places is relative to its origin, and refused where doubles of the file are too coarse.
@@ -380,52 +251,6 @@ TEST(scene_reader, the_small_fold_is_the_fold_at_quarter_scale) {
         stage.duration *= 4;
     }
     EXPECT_EQ(fields(scaled), fields(fold));
-}
-
-/// key -> the table whose heading it stands under, as "table key" lines, from the rows "| `key` |" of docs/scene.md.
-std::vector<std::string> documented_keys() {
-    std::ifstream file(source_dir + "/docs/scene.md");
-    std::vector<std::string> found;
-    std::string table;
-    for (std::string line; std::getline(file, line);) {
-        const auto open = line.find('`');
-        const auto close = line.find('`', open + 1);
-        if (open == std::string::npos || close == std::string::npos) {
-            table = line.starts_with("## ") ? line.substr(3) : table;
-            continue;
-        }
-        const auto code = line.substr(open + 1, close - open - 1);
-        if (line.starts_with("## ")) {
-            table = code;
-        } else if (line.starts_with("| `")) {
-            found.push_back(table + " " + code);
-        }
-    }
-    return found;
-}
-
-TEST(scene_reader, docs_list_the_keys_that_the_reader_knows_and_no_others) {
-    std::vector<std::string> known;
-    for (const auto& table : scene_file::all_keys()) {
-        for (const auto& key : table.keys) {
-            known.push_back(fmt::format("{} {}", table.table, key));
-        }
-    }
-    auto documented = documented_keys();
-    std::sort(known.begin(), known.end());
-    std::sort(documented.begin(), documented.end());
-    EXPECT_EQ(documented, known);
-}
-
-TEST(scene_reader, the_example_of_the_docs_is_sound) {
-    std::ifstream file(source_dir + "/docs/scene.md");
-    std::ostringstream all;
-    all << file.rdbuf();
-    const auto text = all.str();
-    const auto start = text.find("```toml\n");
-    ASSERT_NE(start, std::string::npos);
-    const auto end = text.find("```\n", start + 8);
-    EXPECT_EQ(error_of(text.substr(start + 8, end - start - 8)), "accepted");
 }
 
 TEST(scene_reader, cohesion_of_a_law_or_else_of_its_materials) {
