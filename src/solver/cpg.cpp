@@ -33,7 +33,7 @@ void Cpg<D>::iterate(const ContactProblem<D>& problem) {
     });
     of_gradient.share(sweep_);
     if (!(of_gradient.squared.value() > 0)) {
-        scale_ *= 0x1p-24; // solved, or so much nearer than the step before that all terms were rounded off
+        scale_ *= rounded_off; // or solved
         curvature_ = 0;
         return;
     }

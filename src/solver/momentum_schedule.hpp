@@ -1,6 +1,8 @@
 #pragma once
 // How much momentum an accelerated method takes along; ansgs.hpp says what the letters are.
 
+#include "solver/rounded_sum.hpp"
+
 #include <cmath>
 #include <limits>
 
@@ -17,6 +19,10 @@ public:
     /// After a step. @param squared |z - y|² [J] @param along (z - y)·(z - x) [J]
     void next(double squared, double along) {
         constexpr double most_growth = 2;
+        if (!(squared > 0)) {
+            scale_ *= rounded_off;
+            return;
+        }
         if (along < 0 || squared > most_growth * smallest_) {
             restart(2 * theta_ < 1 ? 2 * theta_ : 1.0);
         } else {
@@ -25,7 +31,7 @@ public:
             theta_ = ahead;
         }
         smallest_ = squared < smallest_ ? squared : smallest_;
-        scale_ = squared > 0 ? squared : scale_;
+        scale_ = squared;
     }
 
     /// Without momentum from here on.

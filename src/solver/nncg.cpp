@@ -47,7 +47,7 @@ IterationWork Nncg<D>::advance(const ContactProblem<D>& problem, int n) {
         sums.share(sweep_);
         const double squared = sums.squared.value();
         beta_ = !first_ && squared <= squared_ ? squared / squared_ : 0.0;
-        squared_ = squared > 0 ? squared : squared_;
+        squared_ = squared > 0 ? squared : squared_ * rounded_off;
         first_ = false;
     }
     return {n * problem.contacts.n_active(), n};

@@ -10,6 +10,9 @@
 
 namespace nappe {
 
+/// A sum of 0 may be one so much smaller than its scale that all terms were rounded off: the next scale over this one.
+inline constexpr double rounded_off = 0x1p-24;
+
 class RoundedSum {
 public:
     /// @param scale what the sum may be like, > 0; the same on all ranks
