@@ -20,6 +20,7 @@ public:
     explicit Ansgs(TileSweep<D>& sweep) : sweep_(sweep) {}
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
+    std::size_t bytes_of_bodies() const override { return bytes_of(before_); }
 
 private:
     TileSweep<D>& sweep_;

@@ -19,6 +19,7 @@ public:
     explicit Apgd(TileSweep<D>& sweep) : sweep_(sweep) {}
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
+    std::size_t bytes_of_bodies() const override { return bytes_of(before_, at_); }
 
 private:
     TileSweep<D>& sweep_;

@@ -80,6 +80,9 @@ public:
     /// Local. How often each tile was relaxed in the last solve; empty if all were in every sweep. Pre: a solve.
     const std::vector<std::int32_t>& tile_sweeps() const { return iteration_->tile_sweeps(); }
 
+    /// Local. Iteration::bytes_of_bodies. Pre: a solve.
+    std::size_t bytes_of_method() const { return iteration_->bytes_of_bodies(); }
+
 private:
     /// One solve and its limits.
     struct Task {

@@ -17,6 +17,7 @@ public:
     explicit Cpg(TileSweep<D>& sweep) : sweep_(sweep) {}
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
+    std::size_t bytes_of_bodies() const override { return bytes_of(of_z_, of_p_); }
 
 private:
     void iterate(const ContactProblem<D>& problem);

@@ -40,6 +40,9 @@ public:
     /// **Collective.** Called before anyone looks at impulses or u.
     virtual void settle(const ContactProblem<D>&) {}
 
+    /// Local. Bytes that it keeps of bodies beside u: Field::where "Iteration" (fields.hpp).
+    virtual std::size_t bytes_of_bodies() const = 0;
+
     /// Local. How often each tile was relaxed since `begin`; empty if all were in every sweep.
     virtual const std::vector<std::int32_t>& tile_sweeps() const {
         static const std::vector<std::int32_t> all;

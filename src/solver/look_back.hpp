@@ -32,6 +32,12 @@ struct PassSums {
     }
 };
 
+/// Local.
+template <class... Bodies>
+std::size_t bytes_of(const std::vector<Bodies>&... arrays) {
+    return (... + (arrays.size() * sizeof(Bodies)));
+}
+
 /// **Collective.** Sum over all grains of m (v·w + s z / 2) [J], s = r x spin: with I = m r²/2, the scalar product by mass.
 template <int D>
 double product(TileSweep<D>& sweep, const std::vector<BodyVelocity<D>>& p, const std::vector<BodyVelocity<D>>& q) {

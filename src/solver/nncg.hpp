@@ -15,6 +15,7 @@ public:
     explicit Nncg(TileSweep<D>& sweep) : sweep_(sweep) {}
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
+    std::size_t bytes_of_bodies() const override { return bytes_of(from_, direction_); }
 
 private:
     TileSweep<D>& sweep_;

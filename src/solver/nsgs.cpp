@@ -125,6 +125,15 @@ void Nsgs<D>::note(std::size_t tile, const std::vector<BodyVelocity<D>>& u) {
     }
 }
 
+template <int D>
+std::size_t Nsgs<D>::bytes_of_bodies() const {
+    std::size_t bytes = u_single_.size() * sizeof(BodyVelocity<D, float>);
+    for (const auto& velocities : quiet_at_) {
+        bytes += velocities.size() * sizeof(BodyVelocity<D>);
+    }
+    return bytes;
+}
+
 template class Nsgs<2>;
 
 } // namespace nappe

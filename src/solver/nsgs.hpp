@@ -21,16 +21,17 @@ public:
     void begin(const ContactProblem<D>& problem) override;
     IterationWork advance(const ContactProblem<D>& problem, int n) override;
     void settle(const ContactProblem<D>& problem) override;
+    std::size_t bytes_of_bodies() const override;
     const std::vector<std::int32_t>& tile_sweeps() const override { return tile_sweeps_; }
 
 private:
     bool undisturbed(std::size_t tile) const;
     bool stays_quiet(std::size_t tile, const std::vector<BodyVelocity<D>>& u, double limit_squared) const;
     void note(std::size_t tile, const std::vector<BodyVelocity<D>>& u);
+    void round_off(const ContactProblem<D>& problem);
 
     TileSweep<D>& sweep_;
     int together_ = 1; ///< sweeps that pass over the sample together
-    void round_off(const ContactProblem<D>& problem);
 
     std::vector<BodyVelocity<D, float>> u_single_; ///< empty unless in single precision
     bool rounded_ = false;                         ///< copies are ahead of impulses and u

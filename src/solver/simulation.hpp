@@ -86,6 +86,10 @@ public:
         return candidates_;
     }
     const ContactsOf<D>& contacts() const { return contacts_; }
+    /// Of bodies, kept by the method and by the correction of positions: what fields.hpp lists under "Iteration" and
+    /// "Simulation". Pre: a step.
+    std::size_t bytes_of_method() const { return solver_.bytes_of_method(); }
+    std::size_t bytes_of_correction() const { return correction_.size() * sizeof(BodyVelocity<D>); }
     const Counters& counters() const { return counters_; }
     /// Potential energy that the correction of positions has put in since the sample was loaded, of all grains [J].
     double correction_work() const { return correction_work_; }

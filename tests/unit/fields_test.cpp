@@ -1,5 +1,5 @@
 // A scene carries what it asks for and nothing else: the list of fields against a list by hand, and against the arrays
-// of running scenes, but for those that a method (Iteration) or the correction of positions has to itself.
+// of running scenes.
 
 #include "solver/fields.hpp"
 
@@ -199,6 +199,33 @@ TEST(Fields, RunningScenesHoldWhatTheListSays) {
             }
         }
         EXPECT_EQ(held(simulation), listed) << c.name;
+    }
+}
+
+/// Of every body, grains and walls, what the method and the correction keep; of the bodies of quiet tiles, what each such
+/// tile noted, so that is not a number of every body.
+TEST(Fields, MethodsHoldWhatTheListSays) {
+    for (const auto& c : cases()) {
+        test::SerialRun run(scene_of(c));
+        auto& simulation = run.simulation();
+        run.steps(20);
+        const auto bodies = simulation.state().u.size();
+        std::size_t method = 0, correction = 0;
+        bool quiet = false;
+        for (const auto& field : fields_of(features_of(simulation.scene()))) {
+            const bool counts = field.carried && field.name != std::string("quiet");
+            quiet = quiet || (field.carried && !counts);
+            method += counts && field.where == std::string("Iteration") ? field.bytes * bodies : 0;
+            correction += counts && field.where == std::string("Simulation") ? field.bytes * bodies : 0;
+        }
+        EXPECT_EQ(simulation.bytes_of_correction(), correction) << c.name;
+        if (quiet) {
+            run.steps(400); // to rest
+            EXPECT_EQ(simulation.bytes_of_method() % sizeof(BodyVelocity<2>), 0u) << c.name;
+            EXPECT_GT(simulation.bytes_of_method(), 0u) << c.name;
+        } else {
+            EXPECT_EQ(simulation.bytes_of_method(), method) << c.name;
+        }
     }
 }
 
