@@ -32,7 +32,8 @@ void Simulation<D>::widen_margins(double h) {
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double jump = 0;
         for (int d = 0; d < D; ++d) {
-            const double from_start = state_.mid[i].x[d] - state_.x[i][d] + h * state_.u[i].v[d];
+            const double apart = corrects() ? correction_[i].v[d] : 0.0;
+            const double from_start = state_.mid[i].x[d] - state_.x[i][d] + h * (state_.u[i].v[d] + apart);
             jump += from_start * from_start;
         }
         const double wanted = std::max(0.5 * skin_, 2 * std::sqrt(jump));

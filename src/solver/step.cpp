@@ -343,7 +343,8 @@ void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h
     for (LocalId i = 0; i < state_.n_own; ++i) {
         double jump = 0;
         for (int d = 0; d < D; ++d) {
-            const double move = state_.mid[i].x[d] - state_.x[i][d] + h * state_.u[i].v[d];
+            const double apart = corrects() ? correction_[i].v[d] : 0.0;
+            const double move = state_.mid[i].x[d] - state_.x[i][d] + h * (state_.u[i].v[d] + apart);
             jump += move * move;
         }
         const bool bad =

@@ -210,6 +210,23 @@ TEST(PositionCorrection, OverlapsShrink) {
     EXPECT_LT(2 * overlap_with(0.3), overlap_with(0));
 }
 
+/// Grains may be moved apart farther than lists foresaw, by nothing that their velocities tell: lists are made anew for it.
+TEST(PositionCorrection, MayOutrunTheLists) {
+    for (const int substeps : {1, 3}) {
+        auto settings = solver(0.01, 30);
+        settings.position_correction = 1;
+        settings.substeps = settings.geometry_every = substeps;
+        SceneBuilder b(0);
+        b.gravity(0, 0).grain(0.5, {0, 0}).grain(0.5, {0.8, 0}).stage(settings); // at rest, 0.2 m in each other
+        b.scene().tiles.skin = 1e-3;
+        SerialRun run(b.scene());
+        run.steps(1);
+        EXPECT_GT(run.simulation().counters().redone_lists, 0) << substeps;
+        EXPECT_NEAR(run.grain(1).x[0] - run.grain(0).x[0], 1, 1e-12) << substeps;
+        EXPECT_EQ(run.grain(0).v[0], 0) << substeps;
+    }
+}
+
 /// Without anything dissipated nothing is paid for: two disks that overlap at rest without gravity stay as they are.
 TEST(PositionCorrection, NothingIsLiftedForFree) {
     auto settings = solver(0.01, 10);
