@@ -108,8 +108,9 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
                 text += fmt::format("adaptive {} geometry every {} correction {}\n", s.adaptive.value_or(0.0),
                                     s.geometry_every, s.position_correction);
             }
-            if (s.position_correction > 0) { // as above
-                text += "corrected once a geometry\n";
+            // Rules of the code that a sample depends on belong to its key; those of plain sweeps are physics_revision.
+            if (s.method != SolverSettings::Method::nsgs || s.substeps > 1 || s.adaptive || s.position_correction > 0) {
+                text += "methods, substeps and corrections of revision 2\n";
             }
             if (s.coupling == SolverSettings::Coupling::sweep && n_ranks > 1) { // follows who owns which tiles
                 text += fmt::format("coupled by sweep on {} ranks, balance {} every {}\n", n_ranks,
@@ -121,7 +122,7 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
             if (!s.warm_start) {
                 text += "cold\n";
             }
-            if (s.tolerance) { // as above
+            if (s.tolerance) { // so is the lag
                 text += fmt::format("a check acts {} sweeps later\n", check_lag(s));
             }
         }

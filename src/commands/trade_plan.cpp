@@ -146,11 +146,14 @@ nlohmann::json read_json(const std::filesystem::path& path) {
 
 /// Throws InputError.
 void refuse_others(const nlohmann::json& json, const PlannedRun& run) {
-    const bool same = json.value("scene", "") == run.scene.text;
-    if (!same || json.value("steps", std::int64_t{-1}) != run.steps) {
-        throw InputError(fmt::format("{}: must be of this scene, setting and length, found a finished run of another "
-                                     "{}; give another --out, or delete that folder",
-                                     run.folder.string(), same ? "length" : "scene or setting"));
+    const char* other = json.value("scene", "") != run.scene.text                   ? "scene or setting"
+                        : json.value("steps", std::int64_t{-1}) != run.steps        ? "length"
+                        : json.value("version", std::string()) != program_version() ? "version of nappe"
+                                                                                    : nullptr;
+    if (other != nullptr) {
+        throw InputError(fmt::format("{}: must be of this scene, setting, length and version, found a finished run of "
+                                     "another {}; give another --out, or delete that folder",
+                                     run.folder.string(), other));
     }
 }
 
@@ -218,7 +221,9 @@ RunState state_of(const PlannedRun& run) {
 }
 
 void remember_failure(const PlannedRun& run, const std::string& reason) {
-    write_summary(run.folder / failure_file, {{"reason", reason}, {"steps", run.steps}, {"scene", run.scene.text}});
+    write_summary(
+        run.folder / failure_file,
+        {{"reason", reason}, {"steps", run.steps}, {"scene", run.scene.text}, {"version", program_version()}});
 }
 
 std::string failure_of(const PlannedRun& run) {

@@ -112,7 +112,9 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
     if (solver && accuracy) {
         const bool rebounds =
             std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& law) { return law.restitution > 0; });
-        choose(*accuracy, rebounds, *solver, loading_base);
+        const bool cohesive =
+            std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& law) { return law.gamma > 0; });
+        choose(*accuracy, rebounds, cohesive, *solver, loading_base);
         drop_quiet_tiles(*solver, loading_base);
     }
     if (solver) {

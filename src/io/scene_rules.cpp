@@ -53,6 +53,20 @@ void check_kept_geometry(const Scene<2>& scene, Problems& problems) {
     }
 }
 
+/// Grains that are moved apart stretch their bonds, which is energy that nothing paid for.
+void check_correction(const Scene<2>& scene, Problems& problems) {
+    const bool attracts =
+        std::any_of(scene.laws.begin(), scene.laws.end(), [](const auto& law) { return law.gamma > 0; });
+    for (const auto& stage : scene.stages) {
+        if (attracts && stage.solver.position_correction > 0) {
+            problems.add("solver.position_correction",
+                         fmt::format("must be 0 where a law attracts (gamma > 0), found {} in stage '{}'; leave it out",
+                                     stage.solver.position_correction, stage.name));
+            return;
+        }
+    }
+}
+
 /// Grains weigh something, and every pair of materials that can meet has a law.
 void check_materials(const Scene<2>& scene, Problems& problems) {
     std::set<int> of_grains;
@@ -313,6 +327,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     const Radii radii = radii_of(scene);
     check_materials(scene, problems);
     check_kept_geometry(scene, problems);
+    check_correction(scene, problems);
     check_wall_points(scene, problems);
     check_tiles(scene, radii, problems);
     check_extent(scene, radii, problems);

@@ -48,10 +48,10 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     using AtMax = SolverSettings::AtMax;
     read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);
     table.read("position_correction", solver.position_correction,
-               between(0, 1, "", "give the share of each overlap to take away, 0.2 is usual"));
+               between(0, 1, "", "give the share of each overlap to take away, 0.8 is usual"));
 }
 
-void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, SolverSettings& solver) {
+void choose(Accuracy accuracy, bool rebounds, bool cohesive, const TableReader& solver_table, SolverSettings& solver) {
     const auto say = [&](const char* key, auto& target, auto value) {
         if (!solver_table.has(key)) {
             target = value;
@@ -61,14 +61,15 @@ void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, S
     case Accuracy::fast:
         say("substeps", solver.substeps, 4);
         say("geometry_every", solver.geometry_every, rebounds ? 1 : 4);
-        say("adaptive", solver.adaptive, 3e-2);
-        say("position_correction", solver.position_correction, 0.8);
+        say("adaptive", solver.adaptive, 1e-2);
         break;
     case Accuracy::balanced:
         say("substeps", solver.substeps, 10);
         say("geometry_every", solver.geometry_every, rebounds ? 1 : 10);
         say("adaptive", solver.adaptive, 3e-3);
-        say("position_correction", solver.position_correction, 0.8);
+        if (!cohesive) {
+            say("position_correction", solver.position_correction, 0.8);
+        }
         break;
     case Accuracy::tight:
         say("method", solver.method, SolverSettings::Method::ansgs);

@@ -10,9 +10,10 @@ namespace nappe::scene_file {
 void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed);
 
 /// What a named accuracy (top-level key `accuracy`) chooses where the file's own [solver] says nothing. docs/accuracy.md has
-/// what each costs and is worth. @param rebounds whether some law has restitution: then normals are never kept. Local.
+/// what each costs and is worth. @param rebounds whether some law has restitution: then normals are never kept. @param cohesive
+/// whether some law attracts: then positions are not corrected. Local.
 enum class Accuracy { fast, balanced, tight };
-void choose(Accuracy accuracy, bool rebounds, const TableReader& solver_table, SolverSettings& solver);
+void choose(Accuracy accuracy, bool rebounds, bool cohesive, const TableReader& solver_table, SolverSettings& solver);
 
 /// Takes back the quiet tiles that an accuracy chose, where `table` asks for sweeps that have none and does not name them
 /// itself. Local.

@@ -82,6 +82,7 @@ void Simulation<D>::start_stage(int stage) {
     set_margins();
     rebuild();
     rebuild_due_ = false;
+    some_fast_ = true; // until a substep has looked
     rescale_impulses(settings().h / settings().substeps);
 }
 

@@ -32,28 +32,25 @@ std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
     return agreed_ & ~(flag::outside_first - 1);
 }
 
-/// All that substeps change, but impulses, which a redone substep keeps anyway.
+/// All that substeps of one geometry change before they are accepted, but impulses, which a redone substep keeps anyway.
 template <int D>
 struct Simulation<D>::Before {
     std::vector<Vec<D>> x;
     std::vector<BodyVelocity<D>> u;
     std::vector<std::array<double, n_spin<D>>> rotation;
     std::vector<Vec<D>> offset, v_old;
-    ContactSums<D> sums;
     EnergySums<D> energy;
     std::int64_t substeps;
-    double correction_work;
 };
 
 /// n substeps whose contacts keep the normals of the first: gaps change by h v_n, and since neither impulses nor normals
 /// do from one to the next, M⁻¹ H r is the velocity they gave, and no warm start has to pass over the contacts. False: a
-/// grain outran its list or a contact that was left out came to act; then all is as it was.
+/// grain outran its list, was fast, or a contact that was left out came to act; then all is as it was but impulses.
 template <int D>
 bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual) {
     begin_substep(h);
     gains_.clear();
-    const Before before{state_.x, state_.u, state_.rotation, walls_.offset,   walls_.v_old,
-                        sums_,    energy_,  stage_substeps_, correction_work_};
+    const Before before{state_.x, state_.u, state_.rotation, walls_.offset, walls_.v_old, energy_, stage_substeps_};
     predict(h);
     const PackFaults faults = detect(h, false);
     for (int k = 1; k <= n; ++k) {
@@ -74,7 +71,7 @@ bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t out
                 correct_positions(h, n * sweeps);
             }
             agree(h, n, faults, outside);
-            if ((agreed_ & (flag::outran_list | flag::missed_contact)) != 0) {
+            if ((agreed_ & (flag::outran_list | flag::missed_contact | flag::fast)) != 0) {
                 ++counters_.redone_groups;
                 restore(before);
                 return false;
@@ -87,7 +84,7 @@ bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t out
         move_apart(h);
     }
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
-    some_fast_ = (agreed_ & flag::fast) != 0;
+    some_fast_ = false;
     return true;
 }
 
@@ -116,16 +113,19 @@ void Simulation<D>::predict_kept(double h) {
 template <int D>
 void Simulation<D>::restore(const Before& before) {
     state_.x = before.x;
+    for (LocalId i = 0; i < state_.n_held(); ++i) { // where bonds are looked for
+        for (int d = 0; d < D; ++d) {
+            state_.mid[i].x[d] = state_.x[i][d];
+        }
+    }
     state_.u = before.u;
     state_.rotation = before.rotation;
     walls_.offset = walls_.offset_mid = before.offset;
     walls_.v_old = before.v_old;
-    sums_ = before.sums;
     energy_ = before.energy;
     stage_substeps_ = before.substeps;
-    correction_work_ = before.correction_work;
     rebuild_due_ = (agreed_ & flag::outran_list) != 0;
-    some_fast_ = false;
+    some_fast_ = (agreed_ & flag::fast) != 0;
 }
 
 template class Simulation<2>;

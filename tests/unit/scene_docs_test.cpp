@@ -85,16 +85,17 @@ std::map<std::string, std::string> documented_accuracies() {
 
 /// A scene that settles and falls. @param top of the file @param solver of the stage that falls @param base of all
 std::string scene_with(const std::string& top, const std::string& solver, const std::string& base = "") {
-    return test::fields(parse_scene(fmt::format(R"({}
+    return test::fields(
+        parse_scene(fmt::format(R"({}
 materials.rock.density = 1
-laws = [{{ between = ["rock", "rock"], type = "frictional", friction = 0 }}]
+laws = [{{ between = ["rock", "rock"], type = "{}", friction = 0 }}]
 grains = [{{ material = "rock", radius = 1, position = [0, 0] }}]
 stages = [{{ name = "settle", until = {{ kinetic = 1e-8, residual = 1e-4, at_most = 10 }} }},
           {{ name = "fall", duration = 1, solver = {{ {} }} }}]
 solver.h = 0.1
 {})",
-                                                top, solver, base),
-                                    "accuracy.toml"));
+                                top, base.find("gamma") == std::string::npos ? "frictional" : "cohesive", solver, base),
+                    "accuracy.toml"));
 }
 
 /// A scene that says the listed keys itself, for the stage with a duration, is the same scene.
@@ -116,6 +117,9 @@ TEST(scene_docs, named_accuracies_leave_room) {
     EXPECT_EQ(scene_with("accuracy = \"balanced\"", "", "solver.precision = \"single\""),
               scene_with("", "substeps = 10, geometry_every = 10, position_correction = 0.8",
                          "solver.precision = \"single\""));
+    const std::string cohesive = "materials.rock.gamma = 1e3\nmaterials.rock.d_w = 0.01\n";
+    EXPECT_EQ(scene_with("accuracy = \"balanced\"", "", cohesive),
+              scene_with("", "substeps = 10, geometry_every = 10, adaptive = 3e-3", cohesive));
     EXPECT_THROW(scene_with("accuracy = \"balanced\"", "method = \"ansgs\", adaptive = 1e-2"), InputError);
 }
 

@@ -5,6 +5,7 @@
 #include "core/error.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_reader.hpp"
+#include "io/summary.hpp"
 #include "io/trade_matrix.hpp"
 #include "scene_examples.hpp"
 #include "temporary_folder.hpp"
@@ -172,12 +173,16 @@ TEST(TradePlan, AFinishedRunIsDoneAndAnotherScenesRunIsRefused) {
     const auto leave = [&](const nlohmann::json& summary) { std::ofstream(run.folder / "summary.json") << summary; };
     leave({{"scene", run.scene.text}, {"steps", 20}, {"stopped_early", true}});
     EXPECT_EQ(state_of(run), RunState::to_do);
-    leave({{"scene", run.scene.text}, {"steps", run.steps}, {"stopped_early", false}});
+    const nlohmann::json whole = {
+        {"scene", run.scene.text}, {"steps", run.steps}, {"version", program_version()}, {"stopped_early", false}};
+    leave(whole);
     EXPECT_EQ(state_of(run), RunState::done);
-    leave({{"scene", run.scene.text}, {"steps", 20}, {"stopped_early", false}});
-    EXPECT_THROW(state_of(run), InputError);
-    leave({{"scene", "another"}, {"steps", run.steps}, {"stopped_early", false}});
-    EXPECT_THROW(state_of(run), InputError);
+    for (const auto& other : {nlohmann::json{{"steps", 20}}, {{"scene", "another"}}, {{"version", "0.0.1"}}}) {
+        auto of_another = whole;
+        of_another.update(other);
+        leave(of_another);
+        EXPECT_THROW(state_of(run), InputError) << other;
+    }
     std::filesystem::remove(run.folder / "summary.json");
     remember_failure(run, "a grain left");
     EXPECT_EQ(state_of(run), RunState::failed);
@@ -185,13 +190,17 @@ TEST(TradePlan, AFinishedRunIsDoneAndAnotherScenesRunIsRefused) {
 }
 
 TEST(TradeMatrix, TheRepositorysAreSoundForTheirScenes) {
-    const auto plan = [&](const std::string& scene, const std::string& text) {
+    const auto plan = [&](const std::string& scene, const std::string& text, std::vector<std::string> overrides = {}) {
         const auto name = source_dir + "/jobs/" + scene;
-        return plan_trade(read_scene_text(name), name, {}, parse_matrix(text, "matrix"), "out");
+        return plan_trade(read_scene_text(name), name, overrides, parse_matrix(text, "matrix"), "out");
     };
+    const std::vector<std::string> cohesive = {"materials.rock.gamma=1e4"};
     const auto file = [&](const std::string& name) { return read_matrix_text(source_dir + "/jobs/" + name); };
     EXPECT_EQ(plan("fold-small.toml", file("trade-fold.toml")).seeds.size(), 8u);
-    EXPECT_GT(plan("fault.toml", file("trade-fault.toml")).runs.size(), 1u);
+    EXPECT_GT(plan("fault.toml", file("trade-fault.toml"), cohesive).runs.size(), 1u);
+    EXPECT_GT(plan("fault.toml", file("trade-default.toml"), cohesive).runs.size(), 1u);
+    EXPECT_GT(plan("fault.toml", file("trade-fault-quiet.toml")).runs.size(), 1u);
+    EXPECT_GT(plan("column.toml", file("trade-frictional.toml")).runs.size(), 1u);
     EXPECT_EQ(default_matrix(), file("trade-default.toml"));
     for (const auto* scene : {"fold.toml", "fold-small.toml", "fault.toml", "column.toml", "pile.toml"}) {
         EXPECT_GT(plan(scene, file("trade-default.toml")).runs.size(), 1u);
