@@ -149,6 +149,20 @@ class SameBits(NappeTest):
             self.assertLess(run.summary["relaxations"], 0.8 * full, "no tile was left alone: the case is too easy")
             self.assertGreater(run.summary["correction_work"], 0)
 
+    def test_bonds_kept_with_their_geometry(self):
+        keys = sets(
+            stages__push__solver__adaptive=3e-3,
+            stages__push__solver__substeps=5,
+            stages__push__solver__geometry_every=5,
+            laws__0__type="cohesive",
+            laws__0__gamma=2e4,
+            laws__0__d_w=0.02,
+            tiles__skin=0.01,
+            tiles__lookahead=1,
+        )
+        for _, run in self.runs(FOLD, (2, 3, 5, 7), *keys):
+            self.assertGreater(run.summary["redone_groups"], 0, "no group was done again: the case is too easy")
+
     def test_coupled_once_a_sweep(self):
         # The one mode that ranks may be seen in: on one it is the default, on so many ranks two runs have the same bits.
         coupled = sets(stages__push__solver__coupling="sweep")
