@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/initial_grains.hpp"
+#include "io/stored_manifest.hpp"
 #include "solver/observables.hpp"
 
 #include <fmt/format.h>

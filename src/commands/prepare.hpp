@@ -11,9 +11,6 @@
 
 namespace nappe {
 
-/// Counted up whenever a change of the code changes a bit of a settled sample: stored ones are then made anew.
-inline constexpr std::int64_t physics_revision = 3;
-
 /// Everything of a scene that its settled sample depends on, in one canonical text. Local.
 /// @param n_ranks those it is made on: part of the text if the sample depends on it (solver.coupling)
 SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks = 1);

@@ -21,12 +21,6 @@ void pad(const Components& from, double* to) {
     }
 }
 
-/// Rows that rank 0 writes for all.
-RowRange by_root(const Communicator& comm, std::size_t n) {
-    const auto total = static_cast<std::int64_t>(n);
-    return {comm.is_root() ? 0 : total, comm.is_root() ? total : 0, total};
-}
-
 /// Connectivity, offsets and types of n vertices, the parts of an unstructured grid that hold no news.
 void add_topology(const Communicator& comm, const RowRange& range, Hdf5Content& content) {
     std::vector<std::int64_t> index(static_cast<std::size_t>(range.rows));

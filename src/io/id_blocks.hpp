@@ -45,6 +45,12 @@ inline RowRange row_range(const Communicator& comm, std::size_t n_mine) {
     return range;
 }
 
+/// Rows that rank 0 writes for all.
+inline RowRange by_root(const Communicator& comm, std::size_t n) {
+    const auto total = static_cast<std::int64_t>(n);
+    return {comm.is_root() ? 0 : total, comm.is_root() ? total : 0, total};
+}
+
 /// Sends each row to the rank whose block holds id_of(row). Collective over comm. A row outside 0 … n-1 is a bug of the
 /// caller: SystemError on all ranks.
 template <class Row, class IdOf>

@@ -1,6 +1,6 @@
 // Stored samples come back bit for bit on any number of ranks, or not at all.
 #include "io/id_blocks.hpp"
-#include "io/sample_manifest.hpp"
+#include "io/stored_manifest.hpp"
 #include "io/sample_store.hpp"
 #include "parallel/made_up_frame.hpp"
 #include "parallel/shared_folder.hpp"
@@ -119,7 +119,7 @@ TEST(Samples, OfAnotherOriginAreNotFound) {
     EXPECT_FALSE(renamed.sample);
     EXPECT_NE(renamed.reason.find("manifest is of another sample"), std::string::npos) << renamed.reason;
     if (world.is_root()) {
-        auto manifest = parse_manifest(read_text(json_path), origin.key());
+        auto manifest = parse_manifest(read_text(json_path));
         manifest.key = other.key();
         std::ofstream(json_path) << format_manifest(manifest);
     }

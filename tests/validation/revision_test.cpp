@@ -1,11 +1,12 @@
 // Stored samples are found again by a key that holds physics_revision: a change of a bit that does not count it up
 // would let a run use a sample that the code no longer makes. The hash here is no measure of anything being right; it
 // is the bits that go with the revision. If this test fails and the change was meant, count physics_revision up
-// (src/commands/prepare.hpp) and put both here.
+// (src/io/stored_manifest.hpp) and put both here.
 #include "commands/prepare.hpp"
 #include "support/kernels.hpp"
 #include "support/serial_run.hpp"
 
+#include "io/stored_manifest.hpp"
 #include <gtest/gtest.h>
 
 namespace {

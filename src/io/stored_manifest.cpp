@@ -1,4 +1,4 @@
-#include "io/sample_manifest.hpp"
+#include "io/stored_manifest.hpp"
 
 #include "core/error.hpp"
 #include "io/checksum.hpp"
@@ -12,7 +12,7 @@ namespace nappe {
 
 namespace {
 
-/// Raised when the datasets of a sample change.
+/// Raised when the datasets of stored files change.
 constexpr int format_version = 1;
 
 std::uint64_t parse_hex(const nlohmann::ordered_json& text) {
@@ -21,7 +21,7 @@ std::uint64_t parse_hex(const nlohmann::ordered_json& text) {
 
 } // namespace
 
-std::string format_manifest(const SampleManifest& manifest) {
+std::string format_manifest(const StoredManifest& manifest) {
     nlohmann::ordered_json json;
     json["format"] = format_version;
     json["key"] = hex_digits(manifest.key);
@@ -35,7 +35,7 @@ std::string format_manifest(const SampleManifest& manifest) {
     return format_summary(json);
 }
 
-SampleManifest parse_manifest(const std::string& text, std::uint64_t key) {
+StoredManifest parse_manifest(const std::string& text) {
     auto json = nlohmann::ordered_json::parse(text, nullptr, false);
     std::string stored;
     if (json.is_object() && json.contains("manifest_checksum")) {
@@ -48,7 +48,7 @@ SampleManifest parse_manifest(const std::string& text, std::uint64_t key) {
     if (json.at("format") != format_version) {
         throw std::runtime_error("the manifest is of another version of nappe");
     }
-    SampleManifest manifest;
+    StoredManifest manifest;
     manifest.key = parse_hex(json.at("key"));
     manifest.physics_revision = json.at("physics_revision").get<std::int64_t>();
     manifest.n_grains = json.at("n_grains").get<std::int64_t>();
@@ -56,10 +56,11 @@ SampleManifest parse_manifest(const std::string& text, std::uint64_t key) {
     manifest.file_bytes = json.at("file_bytes").get<std::uint64_t>();
     manifest.file_checksum = parse_hex(json.at("file_checksum"));
     manifest.notes = json.at("notes");
-    if (manifest.key != key) {
-        throw std::runtime_error("the manifest is of another sample");
-    }
     return manifest;
+}
+
+std::filesystem::path manifest_path(std::filesystem::path file) {
+    return file.replace_extension(".json");
 }
 
 std::string read_text(const std::filesystem::path& path) {
