@@ -26,6 +26,7 @@ int failed(const nappe::Communicator& world, const char* what, ExitCode code) {
 
 struct Arguments {
     nappe::RunOptions run;
+    std::string checkpoint_every, wall_time;
     nappe::CostModel cost;
     nappe::BenchOptions bench;
     int ranks = 2;
@@ -84,6 +85,39 @@ void define_trade(CLI::App& trade, nappe::TradeOptions& options) {
         ->check(CLI::Range(1, 10000).description(""));
 }
 
+/// What `run` and `restart` share.
+void define_course(CLI::App& command, Arguments& arguments) {
+    auto& run = arguments.run;
+    command.add_option("--samples", run.samples, "folder that keeps settled samples [samples beside DIR]")
+        ->type_name("DIR");
+    command.add_option("--steps", run.steps, "stop after this many steps of loading")
+        ->type_name("N")
+        ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 40).description(""));
+    command.add_option(
+        "--kernel", run.kernel,
+        "instruction set of the sweep: scalar, portable, avx2 or avx512 [the fastest here]; results are the same");
+    command
+        .add_option("--checkpoint-every", arguments.checkpoint_every,
+                    "write a checkpoint every so many steps, minutes or whichever comes first: 500, 10min, "
+                    "\"500,10min\", never [10min]")
+        ->type_name("N,T");
+    command
+        .add_option("--wall-time", arguments.wall_time,
+                    "write a checkpoint and stop (exit code 3) before so much time has passed")
+        ->type_name("HH:MM:SS");
+}
+
+/// Throws InputError.
+void read_course(Arguments& arguments) {
+    auto& settings = arguments.run.checkpoints;
+    if (!arguments.checkpoint_every.empty()) {
+        settings.policy = nappe::parse_checkpoint_policy(arguments.checkpoint_every);
+    }
+    if (!arguments.wall_time.empty()) {
+        settings.wall_time = nappe::parse_wall_time(arguments.wall_time);
+    }
+}
+
 /// Where the results of a scene go, and its samples, if the command line does not say.
 void default_folders(const std::string& scene, const char* suffix, std::filesystem::path& out,
                      std::filesystem::path& samples) {
@@ -99,25 +133,29 @@ void define(CLI::App& app, Arguments& arguments) {
     app.description("nappe: contact dynamics of large collections of rigid grains, on any number of MPI ranks");
     app.set_version_flag("--version", std::string(nappe::program_version()));
     app.require_subcommand(1);
-    app.footer("Exit codes: 0 done, 2 bad input, 3 stopped early, 4 numerical failure, 1 anything else.");
-    const auto scene_of = [&](CLI::App* command) {
-        command->add_option("scene", arguments.run.scene, "scene file (TOML; docs/scene.md)")->required();
+    app.footer(
+        "Exit codes: 0 done, 2 bad input, 3 stopped early and restartable, 4 numerical failure, 1 anything else.");
+    const auto add_overrides = [&](CLI::App* command) {
         command->add_option("--set", arguments.run.overrides, "override a key: --set solver.h=0.01 (may be repeated)")
             ->type_name("KEY=VALUE")
             ->allow_extra_args(false)
             ->take_all();
     };
+    const auto scene_of = [&](CLI::App* command) {
+        command->add_option("scene", arguments.run.scene, "scene file (TOML; docs/scene.md)")->required();
+        add_overrides(command);
+    };
     auto* run = app.add_subcommand("run", "run a scene; start it under mpirun for several ranks");
     scene_of(run);
     run->add_option("--out", arguments.run.out, "folder for the results [out/NAME OF THE SCENE]")->type_name("DIR");
-    run->add_option("--samples", arguments.run.samples, "folder that keeps settled samples [samples beside DIR]")
-        ->type_name("DIR");
-    run->add_option("--steps", arguments.run.steps, "stop after this many steps of loading")
-        ->type_name("N")
-        ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 40).description(""));
-    run->add_option(
-        "--kernel", arguments.run.kernel,
-        "instruction set of the sweep: scalar, portable, avx2 or avx512 [the fastest here]; results are the same");
+    define_course(*run, arguments);
+    run->add_flag("--overwrite", arguments.run.overwrite, "begin anew where an unfinished run lies");
+    auto* restart =
+        app.add_subcommand("restart", "go on with a run that was stopped, from its newest checkpoint; on any "
+                                      "number of ranks, to the same results");
+    restart->add_option("run", arguments.run.out, "folder of the run, its --out")->required()->type_name("DIR");
+    add_overrides(restart);
+    define_course(*restart, arguments);
     auto* check = app.add_subcommand("check", "validate a scene; estimate grains, memory and work");
     scene_of(check);
     check->add_option("--ranks", arguments.ranks, "estimate for this many ranks [2]");
@@ -178,7 +216,11 @@ int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& a
         return static_cast<int>(nappe::trade(world, options));
     }
     auto& options = arguments.run;
+    read_course(arguments);
     default_folders(options.scene, "", options.out, options.samples);
+    if (app.got_subcommand("restart")) {
+        return static_cast<int>(nappe::restart(world, options));
+    }
     return static_cast<int>(nappe::run(world, options));
 }
 

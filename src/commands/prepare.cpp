@@ -40,31 +40,45 @@ SettleState settle_state(const Simulation<2>& simulation) {
             simulation.last_residual() ? simulation.last_residual()->largest : 0.0};
 }
 
-void settle(Simulation<2>& simulation, int stage, Progress& progress, const volatile int& stop_signal) {
+/// Throws NumericalFailure if the stage takes too long.
+bool is_settled(const Simulation<2>& simulation, const SettleCriterion& wanted) {
+    const auto now = settle_state(simulation);
+    if (now.kinetic <= wanted.kinetic && now.residual <= wanted.residual) {
+        return true;
+    }
+    if (simulation.time() >= wanted.at_most) {
+        throw NumericalFailure(fmt::format(
+            "stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} (wanted "
+            "{:.3g}), "
+            "residual {:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
+            simulation.scene().stages[static_cast<std::size_t>(simulation.stage())].name, wanted.at_most, now.kinetic,
+            wanted.kinetic, now.residual, wanted.residual));
+    }
+    return false;
+}
+
+/// Steps of one settling stage, from its start or on from where the simulation is. @param keep writes a checkpoint
+template <class Keep>
+void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progress, Checkpointer& checkpointer,
+            Keep keep) {
     const auto& wanted = *simulation.scene().stages[static_cast<std::size_t>(stage)].until;
-    simulation.start_stage(stage);
+    if (!goes_on) {
+        simulation.start_stage(stage);
+    }
     progress.begin_stage(simulation.scene().stages[static_cast<std::size_t>(stage)].name, 0);
     for (;;) {
         const bool look = (simulation.stage_steps() + 1) % settle_check_every == 0;
-        const auto outside = simulation.step(stop_signal != 0 ? flag::outside_first : 0, look);
+        const auto agreed = simulation.step(checkpointer.wishes(), look);
         progress.update(simulation.stage_steps(), simulation.time());
-        if (outside != 0) {
-            throw StoppedEarly{};
-        }
-        if (!look) {
-            continue;
-        }
-        const auto now = settle_state(simulation);
-        if (now.kinetic <= wanted.kinetic && now.residual <= wanted.residual) {
+        if (look && is_settled(simulation, wanted)) { // before any checkpoint: a restart does not look again
             break;
         }
-        if (simulation.time() >= wanted.at_most) {
-            throw NumericalFailure(
-                fmt::format("stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} "
-                            "(wanted {:.3g}), residual "
-                            "{:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
-                            simulation.scene().stages[static_cast<std::size_t>(stage)].name, wanted.at_most,
-                            now.kinetic, wanted.kinetic, now.residual, wanted.residual));
+        const bool stops = Checkpointer::stops(agreed);
+        if (stops || checkpointer.due(agreed, simulation.stage_steps())) {
+            const bool kept = !checkpointer.never() && keep();
+            if (stops) {
+                throw StoppedEarly{kept};
+            }
         }
     }
     progress.end_stage();
@@ -132,8 +146,48 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
     return {physics_revision, text};
 }
 
+nlohmann::ordered_json to_json(const Preparation& p) {
+    return {{"reused", p.reused},
+            {"settle_steps", p.settle_steps},
+            {"deposit_seconds", p.deposit_seconds},
+            {"settle_seconds", p.settle_seconds}};
+}
+
+Preparation preparation_from(const nlohmann::ordered_json& json) {
+    Preparation p;
+    json.at("reused").get_to(p.reused);
+    json.at("settle_steps").get_to(p.settle_steps);
+    json.at("deposit_seconds").get_to(p.deposit_seconds);
+    json.at("settle_seconds").get_to(p.settle_seconds);
+    return p;
+}
+
+namespace {
+
+/// The deposit in the simulation.
+void deposit(Simulation<2>& simulation, double h, Preparation& report, Progress& progress) {
+    const auto& comm = simulation.comm();
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<GrainRow<2>> grains;
+    std::string error;
+    if (comm.is_root()) {
+        try {
+            grains = initial_grains(simulation.scene());
+        } catch (const InputError& e) {
+            error = e.what();
+        }
+    }
+    comm.throw_together<InputError>(error);
+    report.deposit_seconds = seconds_since(start);
+    progress.info(fmt::format("deposited {} grains in {:.2f} s", grains.size(), report.deposit_seconds));
+    simulation.load(grains, {}, h);
+}
+
+} // namespace
+
 Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& store, Progress& progress,
-                    const volatile int& stop_signal) {
+                    Checkpointer& checkpointer, const nlohmann::ordered_json* course,
+                    const std::function<void(nlohmann::ordered_json&)>& remember) {
     const auto& scene = simulation.scene();
     const auto& comm = simulation.comm();
     Preparation report;
@@ -146,7 +200,14 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
     const auto& solver = scene.stages[static_cast<std::size_t>(last)].solver;
     const double h = solver.h / solver.substeps;
     const auto origin = sample_origin(scene, comm.size());
-    if (n_settling > 0) {
+    double settled_before = 0; // seconds, of processes before this one
+    int first = 0;
+    if (course != nullptr) {
+        first = simulation.stage();
+        course->at("settle_steps").get_to(report.settle_steps);
+        course->at("deposit_seconds").get_to(report.deposit_seconds);
+        course->at("settle_seconds").get_to(settled_before);
+    } else if (n_settling > 0) {
         const auto found = load_sample<2>(comm, store, origin);
         if (found.sample) {
             progress.info(fmt::format("settled sample: {} reused", sample_path(store, origin).string()));
@@ -156,26 +217,24 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
         }
         progress.info("settled sample: to be made (" + found.reason + ")");
     }
-
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<GrainRow<2>> grains;
-    std::string error;
-    if (comm.is_root()) {
-        try {
-            grains = initial_grains(scene);
-        } catch (const InputError& e) {
-            error = e.what();
-        }
+    if (course == nullptr) {
+        deposit(simulation, h, report, progress);
     }
-    comm.throw_together<InputError>(error);
-    report.deposit_seconds = seconds_since(start);
-    progress.info(fmt::format("deposited {} grains in {:.2f} s", grains.size(), report.deposit_seconds));
-    simulation.load(grains, {}, h);
     if (n_settling == 0) {
         return report;
     }
-    for (int stage = 0; stage < n_settling; ++stage) {
-        settle(simulation, stage, progress, stop_signal);
+    const auto start = std::chrono::steady_clock::now();
+    for (int stage = first; stage < n_settling; ++stage) {
+        settle(simulation, stage, course != nullptr && stage == first, progress, checkpointer, [&] {
+            nlohmann::ordered_json now{{"loading", false},
+                                       {"settle_steps", report.settle_steps},
+                                       {"deposit_seconds", report.deposit_seconds},
+                                       {"settle_seconds", settled_before + seconds_since(start)}};
+            remember(now);
+            return checkpointer.write(now, {{"stage", scene.stages[static_cast<std::size_t>(stage)].name},
+                                            {"step", simulation.stage_steps()},
+                                            {"time", simulation.time()}});
+        });
         report.settle_steps += simulation.stage_steps();
     }
     store_sample<2>(comm, store, origin, simulation.grain_rows(), simulation.contact_rows(),
@@ -186,7 +245,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
                                       sample_path(store, origin).string(), stored.reason));
     }
     simulation.load(stored.sample->grains, stored.sample->contacts, h);
-    report.settle_seconds = seconds_since(start) - report.deposit_seconds;
+    report.settle_seconds = settled_before + seconds_since(start);
     return report;
 }
 

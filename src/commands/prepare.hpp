@@ -2,11 +2,15 @@
 // From a scene to the state in which loading starts: deposit, settling stages, and the store in which a settled sample
 // waits for the next run that wants the same one.
 
+#include "commands/checkpointer.hpp"
 #include "io/progress.hpp"
 #include "io/sample_store.hpp"
 #include "solver/simulation.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace nappe {
@@ -22,13 +26,21 @@ struct Preparation {
     double settle_seconds = 0;
 };
 
+nlohmann::ordered_json to_json(const Preparation& preparation);
+Preparation preparation_from(const nlohmann::ordered_json& json);
+
 /// **Collective.** Loads the simulation with the state at the end of its settling stages. A sample made now goes
 /// through the store and back, so that it is the same bits as one found there. Throws what the steps throw;
-/// NumericalFailure if a stage does not settle.
+/// NumericalFailure if a stage does not settle; StoppedEarly after a checkpoint, unless the run writes none.
+/// @param course of a checkpoint taken here, which the simulation has been resumed from; nullptr: from the start
+/// @param remember(course) completes what a checkpoint taken here holds
 Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& store, Progress& progress,
-                    const volatile int& stop_signal);
+                    Checkpointer& checkpointer, const nlohmann::ordered_json* course,
+                    const std::function<void(nlohmann::ordered_json&)>& remember);
 
-/// Stopped by a signal while preparing. Exit code 3.
-struct StoppedEarly {};
+/// Stopped while preparing. Exit code 3.
+struct StoppedEarly {
+    bool restartable = false; ///< there is a checkpoint of it
+};
 
 } // namespace nappe

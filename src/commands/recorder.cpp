@@ -7,71 +7,52 @@
 
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <span>
 
 namespace nappe {
 
-void Recorder::claim(const Communicator& comm, const std::filesystem::path& folder,
-                     const std::filesystem::path& samples) {
-    std::string error;
-    if (comm.is_root()) {
-        std::error_code code;
-        for (const auto& part : {folder / "frames", folder / "series", samples}) {
-            std::filesystem::create_directories(part, code);
-            if (code || ::access(part.c_str(), W_OK) != 0) {
-                error = fmt::format(
-                    "{}: must be a folder that can be written, found: {}; choose another --out or --samples",
-                    part.string(), code ? code.message() : std::strerror(errno));
-                break;
-            }
-        }
-        for (const auto* file : {"summary.json", "run.xdmf", "contacts.xdmf", "scene.toml"}) {
-            if (error.empty()) {
-                std::filesystem::remove(folder / file, code);
-            }
-        }
-        if (error.empty()) {
-            Measurer::forget(folder / "measures");
-        }
-    }
-    comm.throw_together<SystemError>(error);
-}
-
-Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folder)
+Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folder, const nlohmann::ordered_json* state)
     : simulation_(simulation), folder_(folder), index_(folder, 2) {
     const auto& comm = simulation.comm();
     if (comm.is_root()) {
-        const auto path = [&](const std::string& name) { return folder / "series" / (name + ".csv"); };
-        for (const auto& cell : simulation.scene().output.cells) {
-            series_.cells.emplace_back(path("cell-" + cell.name),
-                                       std::vector<std::string>{"p", "q", "lambda_x", "lambda_y", "grains"});
-        }
-        for (const auto& wall : simulation.scene().walls) {
-            series_.walls.emplace_back(path("wall-" + wall.name),
-                                       std::vector<std::string>{"x", "y", "vx", "vy", "fx", "fy"});
-        }
-        series_.front = std::make_unique<SeriesWriter>(path("front"), std::vector<std::string>{"front"});
-        std::vector<std::string> energy{"kinetic", "potential", "wall_work"};
-        if (simulation.scene().output.measures.energy) {
-            energy.insert(energy.end(), {"gravity", "friction", "impact", "cohesion", "theta_term", "error"});
-        }
-        series_.energy = std::make_unique<SeriesWriter>(path("energy"), energy);
-        series_.solver = std::make_unique<SeriesWriter>(
-            path("solver"), std::vector<std::string>{"residual", "residual_rms", "sweeps", "overlap_mean",
-                                                     "overlap_max", "contacts", "candidates", "rebuilds", "redone"});
+        open_series(state);
     }
     share_errors();
+    if (state != nullptr) {
+        resume(*state);
+    }
     if (simulation.scene().output.measures.during_run) {
         measurer_.emplace(comm, simulation.scene(), folder / "measures");
+        measure_again();
     }
+}
+
+void Recorder::open_series(const nlohmann::ordered_json* state) {
+    const auto open = [&](const std::string& name, std::vector<std::string> columns) {
+        const auto path = folder_ / "series" / (name + ".csv");
+        return state != nullptr ? SeriesWriter(path, columns, state->at("series").at(name).get<std::int64_t>())
+                                : SeriesWriter(path, columns);
+    };
+    const auto& scene = simulation_.scene();
+    for (const auto& cell : scene.output.cells) {
+        series_.cells.push_back(open("cell-" + cell.name, {"p", "q", "lambda_x", "lambda_y", "grains"}));
+    }
+    for (const auto& wall : scene.walls) {
+        series_.walls.push_back(open("wall-" + wall.name, {"x", "y", "vx", "vy", "fx", "fy"}));
+    }
+    series_.front = std::make_unique<SeriesWriter>(open("front", {"front"}));
+    std::vector<std::string> energy{"kinetic", "potential", "wall_work"};
+    if (scene.output.measures.energy) {
+        energy.insert(energy.end(), {"gravity", "friction", "impact", "cohesion", "theta_term", "error"});
+    }
+    series_.energy = std::make_unique<SeriesWriter>(open("energy", energy));
+    series_.solver =
+        std::make_unique<SeriesWriter>(open("solver", {"residual", "residual_rms", "sweeps", "overlap_mean",
+                                                       "overlap_max", "contacts", "candidates", "rebuilds", "redone"}));
 }
 
 void Recorder::begin() {
@@ -236,7 +217,7 @@ void Recorder::write_frame(std::int64_t step, double time) {
     shift(block, simulation_.scene().origin);
     const auto counts = nappe::write_frame(comm, folder_ / frame_name(step), block);
     index_.add(comm, {time, frame_name(step), counts.n_grains, counts.n_contacts});
-    ++n_frames_;
+    frame_steps_.push_back(step);
     if (measurer_) {
         measurer_->measure(std::move(block));
     }
@@ -244,34 +225,17 @@ void Recorder::write_frame(std::int64_t step, double time) {
 
 void Recorder::share_errors() {
     std::string error;
-    const auto look = [&](const SeriesWriter& writer) {
+    for_each_series([&](const std::string&, const SeriesWriter& writer) {
         if (error.empty()) {
             error = writer.error();
         }
-    };
-    if (simulation_.comm().is_root()) {
-        std::for_each(series_.cells.begin(), series_.cells.end(), look);
-        std::for_each(series_.walls.begin(), series_.walls.end(), look);
-        look(*series_.front);
-        look(*series_.energy);
-        look(*series_.solver);
-    }
+    });
     simulation_.comm().throw_together<SystemError>(error);
 }
 
 void Recorder::finish() {
     const auto lap = simulation_.watch().lap(Timed::output);
-    if (simulation_.comm().is_root()) {
-        for (auto& writer : series_.cells) {
-            writer.finish();
-        }
-        for (auto& writer : series_.walls) {
-            writer.finish();
-        }
-        series_.front->finish();
-        series_.energy->finish();
-        series_.solver->finish();
-    }
+    for_each_series([](const std::string&, SeriesWriter& writer) { writer.finish(); });
     share_errors();
     if (measurer_) {
         measurer_->finish();

@@ -1,43 +1,22 @@
 #include "commands/run.hpp"
 
+#include "commands/loading.hpp"
 #include "commands/prepare.hpp"
 #include "commands/recorder.hpp"
+#include "commands/restart_rules.hpp"
+#include "commands/run_totals.hpp"
+#include "commands/signals.hpp"
+#include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
 #include "io/summary.hpp"
 #include "solver/fields.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <csignal>
+#include <fstream>
 
 namespace nappe {
-
-namespace {
-
-volatile std::sig_atomic_t signal_caught = 0;
-
-void remember_signal(int number) {
-    signal_caught = number;
-}
-
-} // namespace
-
-void catch_signals() {
-    struct sigaction action {};
-    action.sa_handler = remember_signal;
-    action.sa_flags = SA_RESETHAND; // a second signal ends the process at once
-    for (const int number : {SIGUSR1, SIGUSR2, SIGTERM, SIGINT}) {
-        sigaction(number, &action, nullptr);
-    }
-    std::signal(SIGPIPE, SIG_IGN);
-}
-
-bool stop_asked(const Communicator& comm) {
-    return comm.bit_or(signal_caught != 0 ? 1U : 0U) != 0;
-}
 
 std::string shared_text(const Communicator& comm, const std::string& path, std::string (*read)(const std::string&)) {
     std::string text, error;
@@ -55,126 +34,124 @@ std::string shared_text(const Communicator& comm, const std::string& path, std::
 
 namespace {
 
-struct Course {
-    std::int64_t steps = 0;
-    double time = 0;
-    bool stopped = false;
-};
-
-/// The loading stages, from step 0 to the last.
-Course load_stages(Simulation<2>& simulation, Recorder& recorder, Progress& progress,
-                   const std::optional<std::int64_t>& limit) {
-    const auto& scene = simulation.scene();
-    Course course;
-    bool begun = false;
-    std::int64_t all = 0;
-    for (const auto& stage : scene.stages) {
-        all += stage.until ? 0 : n_steps(stage);
+/// On the root. Whether a run lies in the folder that has not come to its end.
+bool is_unfinished(const std::filesystem::path& folder) {
+    if (checkpoint_serials(folder / "checkpoints").empty()) {
+        return false;
     }
-    all = limit ? std::min(all, *limit) : all;
-    for (int s = 0; s < static_cast<int>(scene.stages.size()) && !course.stopped; ++s) {
-        const auto& stage = scene.stages[static_cast<std::size_t>(s)];
-        const bool last = s + 1 == static_cast<int>(scene.stages.size());
-        if (stage.until && !last) {
-            continue;
-        }
-        simulation.start_stage(s);
-        if (!begun) {
-            begun = true;
-            simulation.mark_cells();
-            recorder.begin();
-            recorder.write_frame(0, 0.0);
-        }
-        const std::int64_t n = stage.until ? 0 : std::min(n_steps(stage), all - course.steps);
-        progress.begin_stage(stage.name, n);
-        for (std::int64_t k = 0; k < n && !course.stopped; ++k) {
-            const bool final_step = course.steps + 1 == all;
-            const bool row = recorder.row_due(course.steps + 1) || final_step;
-            const auto outside = simulation.step(signal_caught != 0 ? flag::outside_first : 0, row);
-            ++course.steps;
-            course.time = simulation.time();
-            course.stopped = outside != 0 && !final_step;
-            if (row) {
-                recorder.write_row(course.steps, course.time);
-            }
-            const int every = scene.output.frames_every;
-            if (final_step || course.stopped || (every > 0 && course.steps % every == 0)) {
-                recorder.write_frame(course.steps, course.time);
-            }
-            progress.update(k + 1, course.time);
-        }
-        progress.end_stage();
-    }
-    return course;
+    std::ifstream file(folder / "summary.json");
+    const auto summary = nlohmann::json::parse(file, nullptr, false);
+    return !summary.is_object() || summary.value("stopped_early", true);
 }
 
-/// Seconds of each stage on the slowest rank; sweeping without the exchange inside it.
-nlohmann::ordered_json stage_seconds(Simulation<2>& simulation, double& sweeping_all_ranks) {
-    auto seconds = simulation.watch().seconds();
-    const auto at = [](Timed t) { return static_cast<std::size_t>(t); };
-    const auto& comm = simulation.comm();
-    ExactSum sweeping;
-    sweeping.add(seconds[at(Timed::sweep)]);
-    comm.sum(sweeping.limbs());
-    sweeping_all_ranks = sweeping.value();
-    seconds[at(Timed::sweep)] -= seconds[at(Timed::exchange)];
-    nlohmann::ordered_json json;
-    for (std::size_t k = 0; k < n_timed; ++k) {
-        json[timed_names[k]] = comm.max(seconds[k]);
+void refuse_unfinished(const Communicator& comm, const RunOptions& options) {
+    std::string error;
+    if (comm.is_root() && !options.overwrite && is_unfinished(options.out)) {
+        error =
+            fmt::format("{0}: must not hold a run that can go on, found its checkpoints; go on with nappe restart {0}, "
+                        "choose another --out, or begin anew with --overwrite",
+                        options.out.string());
     }
-    return json;
+    comm.throw_together<InputError>(error);
+}
+
+void say_what_is_run(const Simulation<2>& simulation, const DiskKernels& kernels, Progress& progress) {
+    const auto& scene = simulation.scene();
+    const auto features = features_of(scene);
+    const int ranks = simulation.comm().size();
+    progress.info(
+        fmt::format("{}: {} ranks, disks in the plane, {} friction, {} restitution, {} cohesion, {} kernel ({}), "
+                    "{} B per grain, {} B per contact",
+                    scene.title, ranks, features.friction ? "Coulomb" : "no", features.restitution ? "Newton" : "no",
+                    features.cohesion ? "Lennard-Jones" : "no", kernels.name, kernel_variant(features),
+                    bytes_per_grain(features), bytes_per_contact(features)));
+    if (couples_by_sweep(scene) && ranks > 1) {
+        progress.warning(fmt::format("solver.coupling = \"sweep\": the result holds for {} ranks; on another number of "
+                                     "ranks it differs",
+                                     ranks));
+    }
 }
 
 } // namespace
 
 ExitCode run(const Communicator& comm, const RunOptions& options) {
     const auto text = shared_text(comm, options.scene, read_scene_text);
-    const auto scene = parse_scene(text, options.scene, options.overrides); // every rank finds the same errors
+    const auto scene = parse_scene(text, options.scene, options.overrides);  // every rank finds the same errors
+    disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str()); // before anything is written
     Progress progress(Progress::for_rank(comm.is_root()));
+    const FolderLock lock(comm, options.out);
+    refuse_unfinished(comm, options);
     return run_scene(comm, scene, options, progress);
 }
 
-ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOptions& options, Progress& progress) {
+ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOptions& options, Progress& progress,
+                   const Checkpoint<2>* from) {
     const auto start = std::chrono::steady_clock::now();
     const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
     catch_signals();
-    Recorder::claim(comm, options.out, options.samples);
+    from != nullptr ? Recorder::reclaim(comm, options.out, options.samples)
+                    : Recorder::claim(comm, options.out, options.samples);
     Simulation<2> simulation(comm, scene, kernels);
-    const auto features = features_of(scene);
-    progress.info(
-        fmt::format("{}: {} ranks, disks in the plane, {} friction, {} restitution, {} cohesion, {} kernel ({}), "
-                    "{} B per grain, {} B per contact",
-                    scene.title, comm.size(), features.friction ? "Coulomb" : "no",
-                    features.restitution ? "Newton" : "no", features.cohesion ? "Lennard-Jones" : "no", kernels.name,
-                    kernel_variant(features), bytes_per_grain(features), bytes_per_contact(features)));
-    if (couples_by_sweep(scene) && comm.size() > 1) {
-        progress.warning(fmt::format("solver.coupling = \"sweep\": the result holds for {} ranks; on another number of "
-                                     "ranks it differs",
-                                     comm.size()));
+    say_what_is_run(simulation, kernels, progress);
+    Checkpointer checkpointer(simulation, progress, options.out / "checkpoints", restart_key(scene),
+                              options.checkpoints, from != nullptr ? from->serial + 1 : 1);
+    RunTotals before;
+    const nlohmann::ordered_json* course = from != nullptr ? &from->course : nullptr;
+    bool loading_begun = false;
+    if (course != nullptr) {
+        simulation.resume(from->snapshot);
+        checkpointer.keep(from->serial);
+        before = totals_from(course->at("totals"));
+        ++before.restarts;
+        loading_begun = course->at("loading").get<bool>();
     }
+    auto loading = start;
     Preparation preparation;
-    try {
-        preparation = prepare(simulation, options.samples, progress, signal_caught);
-    } catch (const StoppedEarly&) {
-        progress.warning("stopped by a signal while preparing; there are no results");
-        return ExitCode::stopped_early;
+    const auto seconds_since = [&](auto when) {
+        return comm.max(std::chrono::duration<double>(std::chrono::steady_clock::now() - when).count());
+    };
+    const auto totals_now = [&] {
+        auto totals = loading_begun ? totals_of(simulation) : RunTotals{};
+        totals.all = seconds_since(start);
+        totals.loading = loading_begun ? seconds_since(loading) : 0.0;
+        totals.checkpoints = checkpointer.written();
+        totals.writing = comm.max(checkpointer.seconds());
+        totals += before;
+        return totals;
+    };
+    const auto remember = [&](nlohmann::ordered_json& json) {
+        json["totals"] = to_json(totals_now());
+        if (loading_begun) {
+            json["preparation"] = to_json(preparation);
+        }
+    };
+    if (loading_begun) {
+        preparation = preparation_from(course->at("preparation"));
+    } else {
+        try {
+            preparation = prepare(simulation, options.samples, progress, checkpointer, course, remember);
+        } catch (const StoppedEarly& stopped) {
+            progress.warning(
+                stopped.restartable
+                    ? fmt::format("stopped while preparing; go on with nappe restart {}", options.out.string())
+                    : std::string("stopped while preparing; there is no checkpoint to go on from"));
+            return ExitCode::stopped_early;
+        }
     }
+    const bool resumed = loading_begun;
+    loading_begun = true;
     simulation.watch().clear();
-    const auto loading = std::chrono::steady_clock::now();
-    Recorder recorder(simulation, options.out);
-    const Course course = load_stages(simulation, recorder, progress, options.steps);
+    loading = std::chrono::steady_clock::now();
+    Recorder recorder(simulation, options.out, resumed ? &course->at("recorder") : nullptr);
+    Loading loader(simulation, recorder, checkpointer, progress, options.steps, remember);
+    const Course done = loader.go(resumed ? std::optional(course->at("steps").get<std::int64_t>()) : std::nullopt);
     recorder.finish();
 
+    const auto features = features_of(scene);
     const auto hash = simulation.state_hash();
     const auto& counters = simulation.counters();
-    const auto relaxations = comm.sum(counters.relaxations);
-    const auto messages = comm.sum(simulation.domain().halo().traffic().messages_sent);
-    const auto bytes = comm.sum(simulation.domain().halo().traffic().bytes_sent);
-    double sweeping = 0;
-    const auto seconds = stage_seconds(simulation, sweeping);
-    const auto now = std::chrono::steady_clock::now();
-    const auto elapsed = [&](auto since) { return comm.max(std::chrono::duration<double>(now - since).count()); };
-    const double total = elapsed(start), loaded = elapsed(loading);
+    const auto totals = totals_now();
+    const auto relaxations = totals.relaxations;
     const auto& residual = simulation.last_residual();
     nlohmann::ordered_json json;
     json["version"] = program_version();
@@ -187,22 +164,25 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["mass"] = simulation.total_mass();
     json["contacts"] = recorder.last_overlaps().contacts;
     json["candidates"] = recorder.last_overlaps().candidates;
-    json["steps"] = course.steps;
+    json["steps"] = done.steps;
     json["h"] = simulation.settings().h / simulation.settings().substeps;
-    json["time_simulated"] = course.time;
-    json["stopped_early"] = course.stopped;
+    json["time_simulated"] = done.time;
+    json["stopped_early"] = done.stopped;
+    json["restarts"] = totals.restarts;
     json["relaxations"] = relaxations;
     json["sweeps"] = counters.sweeps;
     json["reductions"] = counters.reductions;
     json["unconverged_steps"] = counters.unconverged;
-    json["seconds_total"] = total;
-    json["seconds_loading"] = loaded;
+    json["seconds_total"] = totals.all;
+    json["seconds_loading"] = totals.loading;
     json["seconds_deposit"] = comm.max(preparation.deposit_seconds);
     json["seconds_settle"] = comm.max(preparation.settle_seconds);
     json["settle_steps"] = preparation.settle_steps;
     json["sample_reused"] = preparation.reused;
-    json["seconds"] = seconds;
-    json["ns_per_relaxation"] = relaxations > 0 ? 1e9 * sweeping / static_cast<double>(relaxations) : 0.0;
+    for (std::size_t k = 0; k < n_timed; ++k) {
+        json["seconds"][timed_names[k]] = totals.by_stage[k];
+    }
+    json["ns_per_relaxation"] = relaxations > 0 ? 1e9 * totals.sweeping / static_cast<double>(relaxations) : 0.0;
     json["kernel"] = kernels.name;
     json["kernel_variant"] = kernel_variant(features);
     json["rebuilds"] = counters.rebuilds;
@@ -210,12 +190,15 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["redone_groups"] = counters.redone_groups;
     json["redone_packs"] = counters.redone_packs;
     json["rebalanced"] = counters.rebalanced;
-    const auto busiest = comm.max(counters.relaxations);
-    json["imbalance"] =
-        relaxations > 0 ? static_cast<double>(busiest) * comm.size() / static_cast<double>(relaxations) : 1.0;
+    const auto busiest = comm.max(counters.relaxations), mine = comm.sum(counters.relaxations); // of this process
+    json["imbalance"] = mine > 0 ? static_cast<double>(busiest) * comm.size() / static_cast<double>(mine) : 1.0;
     json["imbalance_last"] = simulation.domain().last_imbalance();
-    json["messages"] = messages;
-    json["message_bytes"] = bytes;
+    json["messages"] = totals.messages;
+    json["message_bytes"] = totals.message_bytes;
+    json["checkpoints"] = {{"written", totals.checkpoints},
+                           {"failed", checkpointer.failed()},
+                           {"seconds", totals.writing},
+                           {"bytes", checkpointer.bytes()}};
     json["correction_work"] = simulation.correction_work();
     json["overlap_mean"] = recorder.last_overlaps().mean;
     json["overlap_max"] = recorder.last_overlaps().largest;
@@ -235,9 +218,13 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     }
     comm.throw_together<SystemError>(error);
     progress.info(fmt::format(
-        "{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r, residual {:.3g}; state hash {}", course.steps,
-        course.time, loaded, recorder.largest_overlap(), recorder.largest_residual(), hex_digits(hash)));
-    return course.stopped ? ExitCode::stopped_early : ExitCode::done;
+        "{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r, residual {:.3g}; state hash {}", done.steps,
+        done.time, totals.loading, recorder.largest_overlap(), recorder.largest_residual(), hex_digits(hash)));
+    if (done.stopped) {
+        progress.warning(done.kept ? fmt::format("stopped; go on with nappe restart {}", options.out.string())
+                                   : std::string("stopped, and this state is in no checkpoint"));
+    }
+    return done.stopped ? ExitCode::stopped_early : ExitCode::done;
 }
 
 } // namespace nappe

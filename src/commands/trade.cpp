@@ -1,9 +1,11 @@
 #include "commands/trade.hpp"
 
 #include "commands/run.hpp"
+#include "commands/signals.hpp"
 #include "commands/trade_plan.hpp"
 #include "commands/trade_report.hpp"
 #include "io/atomic_file.hpp"
+#include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
 #include "io/summary.hpp"
 
@@ -71,6 +73,7 @@ RunState make_run(const Communicator& comm, const PlannedRun& run, const TradeOp
     run_options.out = run.folder;
     run_options.samples = options.samples;
     run_options.steps = run.steps;
+    run_options.checkpoints.policy = {0, 0}; // what is not finished is run again
     Progress silent({.enabled = false});
     try {
         const auto code = run_scene(comm, run.scene, run_options, silent);
@@ -141,6 +144,7 @@ ExitCode trade(const Communicator& comm, const TradeOptions& options) {
     const auto matrix = shared_matrix(comm, options);
     // Every rank finds the same errors.
     const auto plan = plan_trade(text, options.scene, options.overrides, matrix, options.out);
+    const FolderLock lock(comm, options.out);
     auto states = shared_states(comm, plan);
     catch_signals();
     const bool whole = make_missing_runs(comm, plan, options, matrix.window, states);

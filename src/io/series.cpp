@@ -23,6 +23,14 @@ std::string csv_field(const std::string& text) {
     return quoted + '"';
 }
 
+std::string header_of(const std::vector<std::string>& columns) {
+    std::string header = "step,time";
+    for (const auto& column : columns) {
+        header += ',' + csv_field(column);
+    }
+    return header + '\n';
+}
+
 } // namespace
 
 SeriesWriter::SeriesWriter(std::filesystem::path path, const std::vector<std::string>& columns)
@@ -32,11 +40,37 @@ SeriesWriter::SeriesWriter(std::filesystem::path path, const std::vector<std::st
     } catch (const std::exception& failure) {
         error_ = failure.what();
     }
-    std::string header = "step,time";
-    for (const auto& column : columns) {
-        header += ',' + csv_field(column);
+    write_line(header_of(columns));
+}
+
+SeriesWriter::SeriesWriter(std::filesystem::path path, const std::vector<std::string>& columns, std::int64_t bytes)
+    : path_(std::move(path)), n_columns_(columns.size()) {
+    try {
+        file_ = FileDescriptor(path_, O_RDWR | O_APPEND);
+        const auto header = header_of(columns);
+        std::string found(header.size(), '\0');
+        if (::pread(file_.get(), found.data(), found.size(), 0) != static_cast<ssize_t>(found.size()) ||
+            found != header) {
+            error_ = fmt::format("{}: must begin with the columns of this scene, found others; put the series of this "
+                                 "run back, or run the scene anew in another folder",
+                                 path_.string());
+            return;
+        }
+        const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path_));
+        if (size < bytes) {
+            error_ =
+                fmt::format("{}: must hold the {} bytes it had at the checkpoint, found {}: rows are lost; put the "
+                            "file back, or run the scene anew in another folder",
+                            path_.string(), bytes, size);
+            return;
+        }
+        if (::ftruncate(file_.get(), bytes) != 0) {
+            fail("rows after the checkpoint can not be taken away", errno);
+        }
+        size_ = bytes;
+    } catch (const std::exception& failure) {
+        error_ = failure.what();
     }
-    write_line(header + '\n');
 }
 
 void SeriesWriter::append(std::int64_t step, double time, std::span<const double> values) {
@@ -51,10 +85,14 @@ void SeriesWriter::append(std::int64_t step, double time, std::span<const double
     write_line(line + '\n');
 }
 
-void SeriesWriter::finish() {
+void SeriesWriter::sync() {
     if (error_.empty() && file_ && ::fsync(file_.get()) != 0) {
         fail("writing to the disk fails", errno);
     }
+}
+
+void SeriesWriter::finish() {
+    sync();
     if (const int failure = file_.close(); failure && error_.empty()) {
         fail("closing fails", failure);
     }

@@ -17,9 +17,16 @@ public:
     /// Replaces an older file. columns: names after step and time, with their unit where they have one ("p [Pa]").
     SeriesWriter(std::filesystem::path path, const std::vector<std::string>& columns);
 
+    /// Goes on with a file that had `bytes` bytes at a checkpoint: what came after goes. Local.
+    SeriesWriter(std::filesystem::path path, const std::vector<std::string>& columns, std::int64_t bytes);
+
     /// Adds one row, at once visible to readers; a row that does not fit on the disk is taken back whole. Numbers have
     /// the fewest digits that read back to the same bits. Does nothing after a failure. values: one per column.
     void append(std::int64_t step, double time, std::span<const double> values);
+
+    /// Waits until all rows are on the disk.
+    void sync();
+    std::int64_t bytes() const { return size_; } ///< of complete rows
 
     /// Waits until all rows are on the disk, and closes. More rows can not follow.
     void finish();

@@ -121,8 +121,7 @@ std::string SlabReader::read_text(const Communicator& comm, const char* path) {
     if (!file_.has(path)) {
         return {};
     }
-    const auto bytes = file_.read<std::uint8_t>(path);
-    remember(path, std::as_bytes(comm.is_root() ? std::span(bytes) : std::span<const std::uint8_t>()), 1, 0);
+    const auto bytes = read_shared<std::uint8_t>(comm, path, 1, file_.rows(path));
     return {bytes.begin(), bytes.end()};
 }
 

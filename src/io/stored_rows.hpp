@@ -81,6 +81,15 @@ public:
         return values;
     }
 
+    /// Rows [0, rows), all of them on every rank, checked by the root.
+    template <class T>
+    std::vector<T> read_shared(const Communicator& comm, const std::string& path, int columns, std::int64_t rows) {
+        auto values = file_.read<T>(path, 0, rows, columns);
+        remember(path, comm.is_root() ? std::as_bytes(std::span(values)) : std::span<const std::byte>(),
+                 sizeof(T) * static_cast<std::size_t>(columns), 0);
+        return values;
+    }
+
     /// A text of `add_text`: all of it on every rank, checked by the root.
     std::string read_text(const Communicator& comm, const char* path);
 

@@ -110,6 +110,15 @@ XdmfIndex::XdmfIndex(std::filesystem::path folder, int dimension) : folder_(std:
 
 void XdmfIndex::add(const Communicator& comm, const FrameEntry& entry) {
     entries_.push_back(entry);
+    write(comm);
+}
+
+void XdmfIndex::resume(const Communicator& comm, std::vector<FrameEntry> entries) {
+    entries_ = std::move(entries);
+    write(comm);
+}
+
+void XdmfIndex::write(const Communicator& comm) const {
     std::string error;
     if (comm.is_root()) {
         try {

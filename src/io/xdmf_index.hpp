@@ -25,11 +25,18 @@ public:
     /// Local; writes nothing yet. dimension: of the scene, for the components of spin and of tangential impulse.
     XdmfIndex(std::filesystem::path folder, int dimension);
 
+    /// Goes on with the frames that there were at a checkpoint. Collective over comm; throws as `add` does.
+    void resume(const Communicator& comm, std::vector<FrameEntry> entries);
+
+    const std::vector<FrameEntry>& entries() const { return entries_; }
+
     /// Adds a frame whose file has its final name. Collective over comm: rank 0 writes, and all ranks throw the same
     /// SystemError if it can not.
     void add(const Communicator& comm, const FrameEntry& entry);
 
 private:
+    void write(const Communicator& comm) const;
+
     std::filesystem::path folder_;
     int dimension_;
     std::vector<FrameEntry> entries_;

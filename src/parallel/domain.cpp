@@ -49,6 +49,59 @@ void Domain<D>::cut_by_grains(const std::vector<GrainRecord<D>>& grains) {
     directory_.assign(graph.keys, partition(graph, comm_.size()));
 }
 
+template <int D>
+void Domain<D>::own_as(const std::vector<TileOwner>& owners) {
+    std::vector<TileKey> keys;
+    std::vector<std::int32_t> ranks;
+    for (const auto& owner : owners) {
+        keys.push_back(owner.key);
+        ranks.push_back(static_cast<std::int32_t>(owner.rank));
+    }
+    directory_.assign(keys, ranks);
+}
+
+/// Whoever has a place tells a rank that follows from the id, and whoever holds the grain asks that rank.
+template <int D>
+void Domain<D>::place(const std::vector<PlacedGrain<D>>& places, State<D>& state) const {
+    const auto n = static_cast<std::size_t>(comm_.size());
+    const auto post = [n](GlobalId id) { return mix(static_cast<std::uint64_t>(id)) % n; };
+    std::vector<std::vector<PlacedGrain<D>>> told(n);
+    for (const auto& place : places) {
+        told[post(place.id)].push_back(place);
+    }
+    std::vector<std::vector<GlobalId>> asked(n);
+    for (const GlobalId id : state.id) {
+        asked[post(id)].push_back(id);
+    }
+    auto known = joined(comm_.exchange(told));
+    std::sort(known.begin(), known.end(), [](const auto& p, const auto& q) { return p.id < q.id; });
+    const auto questions = comm_.exchange(asked);
+    std::vector<std::vector<PlacedGrain<D>>> answers(n);
+    std::string error;
+    for (std::size_t r = 0; r < n; ++r) {
+        for (const GlobalId id : questions[r]) {
+            const auto at = std::lower_bound(known.begin(), known.end(), id,
+                                             [](const PlacedGrain<D>& p, GlobalId wanted) { return p.id < wanted; });
+            if (at == known.end() || at->id != id) {
+                error = "grain " + std::to_string(id) + " has no place: a bug of nappe";
+                continue;
+            }
+            answers[r].push_back(*at);
+        }
+    }
+    comm_.template throw_together<SystemError>(error);
+    const auto answered = comm_.exchange(answers);
+    std::vector<std::size_t> next(n, 0); // answers come in the order of questions
+    for (LocalId i = 0; i < state.n_held(); ++i) {
+        const auto r = post(state.id[i]);
+        const auto& place = answered[r][next[r]++];
+        for (int d = 0; d < D; ++d) {
+            state.x[i][d] = place.x[static_cast<std::size_t>(d)];
+            state.mid[i].x[d] = state.x[i][d];
+        }
+    }
+}
+
 /// Impulses go where their grain goes; they need not have come from the rank that has it. So both are told to a rank
 /// that follows from the id, which sends impulses on.
 template <int D>
@@ -84,7 +137,8 @@ std::vector<ContactRow<D>> Domain<D>::send_after(const std::vector<GrainRecord<D
 
 template <int D>
 void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<ContactRow<D>> impulses,
-                           LocalId n_wall_bodies, State<D>& state, ContactMemory<D>& memory) {
+                           LocalId n_wall_bodies, State<D>& state, ContactMemory<D>& memory,
+                           const std::vector<TileOwner>& owners) {
     std::string error;
     for (const auto& g : grains) {
         if (!grid_.in_range(position(g))) {
@@ -94,7 +148,7 @@ void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<Conta
     }
     comm_.template throw_together<NumericalFailure>(error);
     imbalance_ = 1;
-    cut_by_grains(grains);
+    owners.empty() ? cut_by_grains(grains) : own_as(owners);
     memory = {};
     if (comm_.size() == 1) {
         memory.add(std::move(impulses));

@@ -13,6 +13,7 @@
 #include "parallel/tile_directory.hpp"
 #include "parallel/tile_graph.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct SpentTime {
     std::int64_t steps = 0;
 };
 
+/// Where a grain is. Trivially copyable.
+template <int D>
+struct PlacedGrain {
+    GlobalId id = 0;
+    std::array<double, D> x{}; ///< [m]
+};
+
 template <int D>
 class Domain {
 public:
@@ -31,9 +39,13 @@ public:
         : comm_(comm), grid_(grid), balance_(balance), judge_(balance), halo_(comm) {}
 
     /// **Collective.** Spreads a new set of grains, rows in any order on any ranks, over the ranks by tiles of equal
-    /// grain count. Ids must be distinct. @param n_wall_bodies rows to keep in State for walls.
+    /// grain count, or as `owners` says. Ids must be distinct. @param n_wall_bodies rows to keep in State for walls.
     void distribute(std::vector<GrainRecord<D>> grains, std::vector<ContactRow<D>> impulses, LocalId n_wall_bodies,
-                    State<D>& state, ContactMemory<D>& memory);
+                    State<D>& state, ContactMemory<D>& memory, const std::vector<TileOwner>& owners = {});
+
+    /// **Collective.** Moves every held grain to its place, without a rebuild. Pre: between the ranks, one place for each
+    /// grain.
+    void place(const std::vector<PlacedGrain<D>>& places, State<D>& state) const;
 
     /// **Collective.** At a rebuild: sends owned grains (with their new margins) and the impulses that `memory` has of
     /// them to the owners of the tiles they are in now, puts rows in the order of (tile, id), fetches ghosts (x_ref = x).
@@ -95,6 +107,7 @@ private:
     void count(const State<D>& state, bool first);
 
     // domain.cpp
+    void own_as(const std::vector<TileOwner>& owners);
     void cut_by_grains(const std::vector<GrainRecord<D>>& grains);
     std::vector<ContactRow<D>> send_after(const std::vector<GrainRecord<D>>& grains,
                                           const std::vector<ContactRow<D>>& impulses) const;

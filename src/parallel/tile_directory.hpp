@@ -1,8 +1,10 @@
 #pragma once
 // Which rank owns which tile; the same on every rank.
 
+#include "core/snapshot.hpp"
 #include "core/tile_grid.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -28,6 +30,16 @@ public:
 
     /// A new tile; the first claim counts.
     void add(TileKey key, std::int32_t rank) { owner_.try_emplace(key, rank); }
+
+    /// All of it, by key.
+    std::vector<TileOwner> owners() const {
+        std::vector<TileOwner> all;
+        for (const auto& [key, rank] : owner_) {
+            all.push_back({key, rank});
+        }
+        std::sort(all.begin(), all.end(), [](const TileOwner& p, const TileOwner& q) { return p.key < q.key; });
+        return all;
+    }
 
     std::size_t size() const { return owner_.size(); }
 

@@ -60,6 +60,12 @@ void Simulation<D>::rebuild() {
         const double steps = std::max(2.0, scene_.tiles.lookahead);
         walls_.margin[w] = std::max(0.5 * skin_, settings().h * steps * walls_.v[w].norm());
     }
+    relist();
+}
+
+/// Lists from where everything stands, with the margins that are set.
+template <int D>
+void Simulation<D>::relist() {
     const auto start = std::chrono::steady_clock::now();
     const bool moved = rebalance_if_due();
     if (counters_.rebuilds > 0) { // before the first, memory_ has the sample's impulses

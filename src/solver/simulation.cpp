@@ -31,59 +31,72 @@ void Simulation<D>::load(const std::vector<GrainRow<D>>& grains, const std::vect
     const auto lap = watch_.lap(Timed::prepare);
     std::vector<GrainRecord<D>> records;
     records.reserve(grains.size());
-    ExactSum radii, mass;
     for (const auto& row : grains) {
         records.push_back(to_record(row));
-        radii.add(row.radius);
-        mass.add(row.mass);
     }
-    comm_.sum(radii.limbs());
-    comm_.sum(mass.limbs());
-    const auto n = comm_.sum(static_cast<std::int64_t>(grains.size()));
-    mean_radius_ = n > 0 ? radii.value() / static_cast<double>(n) : 0.0;
-    total_mass_ = mass.value();
-
     walls_ = Walls<D>(scene_.walls);
     energy_wanted_ = false;
     stage_start_ = 0;
     stage_steps_ = 0;
-    // Nothing that is reported may tell a sample made in this run from one found in the store.
-    counters_ = {};
-    domain_.halo().clear_traffic();
-    last_balance_ = 0;
     correction_work_ = 0;
+    rebuild_due_ = true;
+    take(std::move(records), impulses, {});
+    place_walls();
+}
+
+/// Grains and impulses in place of those that were; nothing that is reported may tell a sample made in this run from one
+/// found in the store. @param owners of tiles; none: tiles are cut by their grains
+template <int D>
+void Simulation<D>::take(std::vector<GrainRecord<D>> records, const std::vector<ContactRow<D>>& impulses,
+                         const std::vector<TileOwner>& owners) {
+    ExactSum radii, mass;
+    for (const auto& g : records) {
+        radii.add(g.radius);
+        mass.add(g.mass);
+    }
+    comm_.sum(radii.limbs());
+    comm_.sum(mass.limbs());
+    const auto n = comm_.sum(static_cast<std::int64_t>(records.size()));
+    mean_radius_ = n > 0 ? radii.value() / static_cast<double>(n) : 0.0;
+    total_mass_ = mass.value();
+    counters_ = {};
+    last_balance_ = 0;
+    domain_.halo().clear_traffic();
     last_residual_.reset();
     last_sweeps_ = 0;
-    domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory_);
+    domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory_, owners);
     candidates_ = {};
     impulses_stale_ = false;
     contacts_.forget();
     costs_ = {};
     relaxing_ = 0;
-    place_walls();
-    rebuild_due_ = true;
 }
 
 template <int D>
 void Simulation<D>::start_stage(int stage) {
-    const bool preparing = scene_.stages[static_cast<std::size_t>(stage)].until.has_value();
-    const bool follows =
-        !preparing && stage > 0 && stage_ == stage - 1 && !scene_.stages[static_cast<std::size_t>(stage_)].until;
+    const bool follows = !scene_.stages[static_cast<std::size_t>(stage)].until && stage > 0 && stage_ == stage - 1 &&
+                         !scene_.stages[static_cast<std::size_t>(stage_)].until;
     stage_start_ = follows ? time() : 0.0;
     stage_ = stage;
     stage_steps_ = 0;
     stage_substeps_ = 0;
     drive_walls();
-    // Samples are prepared without cohesion, so that all strengths of it start from one.
-    contacts_.set_cohesive(!preparing);
-    contacts_.set_kept(std::min(settings().geometry_every, settings().substeps), settings().position_correction > 0);
-    domain_.halo().couple_by_sweep(settings().coupling == SolverSettings::Coupling::sweep);
-    state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
+    configure_stage();
     set_margins();
     rebuild();
     rebuild_due_ = false;
     some_fast_ = true; // until a substep has looked
     rescale_impulses(settings().h / settings().substeps);
+}
+
+/// What contacts and halo must know of the stage before lists are made for it.
+template <int D>
+void Simulation<D>::configure_stage() {
+    // Samples are prepared without cohesion, so that all strengths of it start from one.
+    contacts_.set_cohesive(!scene_.stages[static_cast<std::size_t>(stage_)].until);
+    contacts_.set_kept(std::min(settings().geometry_every, settings().substeps), settings().position_correction > 0);
+    domain_.halo().couple_by_sweep(settings().coupling == SolverSettings::Coupling::sweep);
+    state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;
 }
 
 /// A warm start hands on forces: r = f h.

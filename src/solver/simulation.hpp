@@ -6,6 +6,7 @@
 #include "core/energy_sums.hpp"
 #include "core/passage.hpp"
 #include "core/scene.hpp"
+#include "core/snapshot.hpp"
 #include "core/state.hpp"
 #include "core/stopwatch.hpp"
 #include "core/walls.hpp"
@@ -62,6 +63,14 @@ public:
     /// **Collective.** Marks the grains inside the scene's cells and starts its energy budget, if it wants one; called
     /// when loading starts.
     void mark_cells();
+
+    /// **Collective.** All that the next step depends on, between two steps.
+    Snapshot<D> snapshot() const;
+
+    /// **Collective.** In place of `load` and `start_stage`: goes on from a snapshot, to the same bits on any number of
+    /// ranks. Pre: the snapshot's grains, walls, stages and cells are those of the scene; the settings of its solver may be
+    /// others (not h of the stage in hand).
+    void resume(const Snapshot<D>& from);
 
     /// **Collective.** Advances by the stage's h. @param outside bits of the caller, >= flag::outside_first
     /// @returns those bits of all ranks. Throws NumericalFailure (NaN, a grain through a wall or too fast), naming the
@@ -140,7 +149,12 @@ private:
     void collect_energy(double h);
     void find_reported_tiles();
 
+    void take(std::vector<GrainRecord<D>> records, const std::vector<ContactRow<D>>& impulses,
+              const std::vector<TileOwner>& owners);
+    void take_sums(const Snapshot<D>& from); // snapshot.cpp
+    void configure_stage();
     void rebuild();
+    void relist();
     void find_bonds();
     void drive_walls();
     void rescale_impulses(double h);

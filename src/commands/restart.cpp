@@ -1,0 +1,98 @@
+#include "commands/run.hpp"
+
+#include "commands/loading.hpp"
+#include "commands/restart_rules.hpp"
+#include "io/folder_lock.hpp"
+#include "io/scene_reader.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fstream>
+
+namespace nappe {
+
+namespace {
+
+/// On the root. The key of the scene that the folder says was run; none if it says nothing that can be read.
+std::optional<std::uint64_t> key_of_folder(const std::filesystem::path& folder) {
+    const auto path = (folder / "scene.toml").string();
+    try {
+        return restart_key(parse_scene(read_scene_text(path), path));
+    } catch (const InputError&) {
+        return std::nullopt;
+    }
+}
+
+/// On the root. Steps of loading that the run in the folder has come to its end with; none if it has not.
+std::optional<std::int64_t> steps_at_end(const std::filesystem::path& folder) {
+    std::ifstream file(folder / "summary.json");
+    const auto summary = nlohmann::json::parse(file, nullptr, false);
+    if (!summary.is_object() || summary.value("stopped_early", true) || !summary.contains("steps")) {
+        return std::nullopt;
+    }
+    return summary.value("steps", std::int64_t{0});
+}
+
+Checkpoint<2> newest(const Communicator& comm, const std::filesystem::path& folder, Progress& progress) {
+    auto found = load_newest_checkpoint<2>(comm, folder / "checkpoints");
+    if (!found.checkpoint) {
+        throw InputError(
+            fmt::format("{}: must hold a sound checkpoint to go on from, found {}; begin with nappe run",
+                        (folder / "checkpoints").string(),
+                        found.reasons.empty() ? "none" : fmt::format("{}", fmt::join(found.reasons, "; "))));
+    }
+    for (const auto& reason : found.reasons) {
+        progress.warning(fmt::format("not used: {}", reason));
+    }
+    std::string error;
+    if (comm.is_root()) {
+        const auto key = key_of_folder(folder);
+        if (key && *key != found.checkpoint->key) {
+            error = fmt::format("{}: must be of the scene in {}, found that of another; take it out of the folder",
+                                checkpoint_path(folder / "checkpoints", found.checkpoint->serial).string(),
+                                (folder / "scene.toml").string());
+        }
+    }
+    comm.throw_together<InputError>(error);
+    return std::move(*found.checkpoint);
+}
+
+} // namespace
+
+ExitCode restart(const Communicator& comm, RunOptions options) {
+    std::string error;
+    if (comm.is_root() && !std::filesystem::is_directory(options.out)) {
+        error =
+            fmt::format("{}: must be the folder of a run, its --out, found none; check the path", options.out.string());
+    }
+    comm.throw_together<InputError>(error);
+    Progress progress(Progress::for_rank(comm.is_root()));
+    const FolderLock lock(comm, options.out);
+    auto checkpoint = newest(comm, options.out, progress);
+    const auto path = checkpoint_path(options.out / "checkpoints", checkpoint.serial);
+    const auto before = parse_scene(checkpoint.scene, path.string());
+    const auto scene = parse_scene(checkpoint.scene, path.string(), options.overrides);
+    check_restart(before, scene, checkpoint.snapshot.clock);
+
+    const auto whole = loading_steps(scene);
+    const auto wanted = options.steps ? std::min(*options.steps, whole) : whole;
+    const auto ended = comm.max(comm.is_root() ? steps_at_end(options.out).value_or(-1) : -1);
+    if (options.overrides.empty() && ended >= wanted) {
+        progress.info(fmt::format("the run has come to its end with step {}: nothing to do", ended));
+        return ExitCode::done;
+    }
+    if (couples_by_sweep(scene) && checkpoint.ranks != comm.size()) {
+        checkpoint.snapshot.owners.clear();
+        progress.warning(
+            fmt::format("solver.coupling = \"sweep\": on {} ranks instead of {} the results go on otherwise",
+                        comm.size(), checkpoint.ranks));
+    }
+    const auto& notes = checkpoint.notes;
+    progress.info(fmt::format("going on from {}: stage '{}', step {}, t = {} s, written by {} ranks", path.string(),
+                              notes.at("stage").get<std::string>(), notes.at("step").get<std::int64_t>(),
+                              notes.at("time").get<double>(), checkpoint.ranks));
+    return run_scene(comm, scene, options, progress, &checkpoint);
+}
+
+} // namespace nappe

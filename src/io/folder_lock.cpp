@@ -1,0 +1,123 @@
+#include "io/folder_lock.hpp"
+
+#include "core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <string>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace nappe {
+
+namespace {
+
+std::string this_host() {
+    std::array<char, 65> host{};
+    ::gethostname(host.data(), host.size() - 1);
+    return host.data();
+}
+
+/// Whether the open file is still the one of that name: the holder before may have taken it away.
+bool is_named(const FileDescriptor& file, const std::filesystem::path& path) {
+    struct stat opened {
+    }, named{};
+    return ::fstat(file.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+           opened.st_dev == named.st_dev;
+}
+
+std::string holder(const FileDescriptor& file) {
+    std::array<char, 200> text{};
+    const auto n = ::pread(file.get(), text.data(), text.size() - 1, 0);
+    return n > 0 ? std::string(text.data(), static_cast<std::size_t>(n)) : std::string("another process");
+}
+
+/// Throws InputError or SystemError.
+FileDescriptor locked(const std::filesystem::path& path) {
+    for (;;) {
+        FileDescriptor file(path, O_RDWR | O_CREAT);
+        if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
+            if (errno == EINTR) {
+                continue;
+            }
+            if (errno == EWOULDBLOCK) {
+                throw InputError(
+                    fmt::format("{}: must be used by one run at a time, found {} at work in it; wait for it, "
+                                "stop it, or choose another --out",
+                                path.parent_path().string(), holder(file)));
+            }
+            return file; // no locks on this file system
+        }
+        if (is_named(file, path)) {
+            return file;
+        }
+    }
+}
+
+} // namespace
+
+FolderLock::FolderLock(const Communicator& comm, const std::filesystem::path& folder) : path_(folder / ".lock") {
+    std::string used, refused;
+    if (comm.is_root()) {
+        try {
+            std::error_code code;
+            std::filesystem::create_directories(folder, code);
+            if (code) {
+                throw SystemError(
+                    fmt::format("{}: must be a folder that can be written, found: {}; choose another --out",
+                                folder.string(), code.message()));
+            }
+            file_ = locked(path_);
+            const auto text = fmt::format("process {} on {}", ::getpid(), this_host());
+            if (::ftruncate(file_.get(), 0) != 0 || write_all(file_, text) != 0) {
+                // Only who it is would be unknown.
+            }
+        } catch (const InputError& e) {
+            used = e.what();
+        } catch (const std::exception& e) {
+            refused = e.what();
+        }
+    }
+    comm.throw_together<InputError>(used);
+    comm.throw_together<SystemError>(refused);
+}
+
+FolderLock::~FolderLock() {
+    if (file_) {
+        ::unlink(path_.c_str()); // while it is held: who opened it meanwhile sees that it is gone
+    }
+}
+
+void remove_remains(const std::filesystem::path& folder, bool of_the_dead_only) {
+    const auto ours = ".part-" + this_host() + "-";
+    std::error_code ignored;
+    std::vector<std::filesystem::path> remains;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+        const auto name = entry.path().filename().string();
+        if (name.find(".part-") == std::string::npos) {
+            continue;
+        }
+        if (of_the_dead_only) {
+            const auto at = name.find(ours);
+            pid_t process = 0;
+            const char* const end = name.data() + name.size();
+            if (at == std::string::npos || std::from_chars(name.data() + at + ours.size(), end, process).ptr != end ||
+                process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH) {
+                continue;
+            }
+        }
+        remains.push_back(entry.path());
+    }
+    for (const auto& path : remains) {
+        std::filesystem::remove(path, ignored);
+    }
+}
+
+} // namespace nappe

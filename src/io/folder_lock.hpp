@@ -1,0 +1,30 @@
+#pragma once
+// One process at a time in a folder, by a lock of the kernel: it ends with the process, however that ends.
+
+#include "io/atomic_file.hpp"
+#include "parallel/communicator.hpp"
+
+#include <filesystem>
+
+namespace nappe {
+
+/// Held by rank 0 for the whole job, on FOLDER/.lock, which says who it is.
+class FolderLock {
+public:
+    /// **Collective.** Makes the folder. Throws on all ranks InputError if another process holds it, SystemError if the
+    /// folder can not be written. Where the file system knows no locks, there is none.
+    FolderLock(const Communicator& comm, const std::filesystem::path& folder);
+    ~FolderLock();
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
+
+private:
+    std::filesystem::path path_;
+    FileDescriptor file_; ///< on rank 0
+};
+
+/// Local. Takes away what processes that died left half-written in a folder (atomic_file.hpp, temporary_name): all of it,
+/// or only that of dead processes of this machine, where others may be writing too.
+void remove_remains(const std::filesystem::path& folder, bool of_the_dead_only);
+
+} // namespace nappe
