@@ -162,8 +162,10 @@ void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<Conta
     }
     sort_by_tile(grains);
     const auto carries = state.carries;
+    const double attraction = state.attraction;
     state = {};
     state.carries = carries;
+    state.attraction = attraction;
     state.assign(grains, {}, n_wall_bodies);
     memory.rekey(state);
     list_tiles(state);

@@ -6,7 +6,8 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
-from nappe_driver import SCENES, NappeTest, main, sets  # noqa: E402
+from nappe_driver import SCENES, main, sets  # noqa: E402
+from same_files import SameFiles  # noqa: E402
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
@@ -24,44 +25,12 @@ def kernels_here():
 KERNELS = kernels_here()
 
 
-def contents(path):
-    """Everything in an HDF5 file, by name, but the owning ranks."""
-    found = {}
-
-    def visit(name, item):
-        found.update({f"{name}@{key}": np.asarray(value).tobytes() for key, value in item.attrs.items()})
-        if isinstance(item, h5py.Dataset) and not name.endswith("/rank"):
-            found[name] = (item.dtype.str, item.shape, item[()].tobytes())
-
-    with h5py.File(path, "r") as file:
-        visit("", file)
-        file.visititems(visit)
-    return found
-
-
 def owners(path):
     with h5py.File(path, "r") as file:
         return file["VTKHDF/PointData/rank"][()]
 
 
-class SameBits(NappeTest):
-    def assert_same(self, one, many):
-        self.assertEqual(many.hash, one.hash)
-        self.assertEqual(many.files(), one.files())
-        for name in one.files():
-            a, b = one.out / name, many.out / name
-            if name.endswith(".hdf"):
-                expected, found = contents(a), contents(b)
-                self.assertEqual([k for k in expected if found.get(k) != expected[k]], [], name)
-                self.assertEqual(found.keys(), expected.keys())
-            elif name != "summary.json":
-                self.assertEqual(b.read_bytes(), a.read_bytes(), name)
-        same = ["grains", "contacts", "candidates", "steps", "time_simulated", "relaxations", "sweeps", "rebuilds"]
-        same += ["redone_lists", "redone_packs", "overlap_mean", "overlap_max", "overlap_max_of_rows", "residual"]
-        same += ["residual_max_of_rows"]
-        for key in same:
-            self.assertEqual(many.summary[key], one.summary[key], key)
-
+class SameBits(SameFiles):
     def runs(self, scene, rank_counts, *arguments):
         """The run on one rank with the fastest kernel, and those on more, each with its own sample and the next kernel in
         turn: every case meets every instruction set."""
