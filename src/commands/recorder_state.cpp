@@ -32,6 +32,7 @@ std::string make_folders(const std::filesystem::path& folder, const std::filesys
     for (const auto* part : {"", "frames", "series", "measures", "measures/fields", "checkpoints"}) {
         remove_remains(folder / part, false);
     }
+    remove_orphans(folder / "checkpoints");
     remove_remains(samples, true);
     return {};
 }

@@ -128,6 +128,9 @@ std::string remedy_for_writing(int error_number) {
         return reason + "; free some space or quota, or write to another disk";
     case EFBIG:
         return reason + "; raise the limit on the size of files (ulimit -f)";
+    case EMFILE:
+    case ENFILE:
+        return reason + "; raise the limit on open files (ulimit -n)";
     case ENOENT:
     case ENOTDIR:
         return reason + "; create the folder first, on a file system that all nodes share";

@@ -117,18 +117,13 @@ Checkpoint<D> read_checkpoint(const Communicator& comm, SlabReader& reader, cons
     return checkpoint;
 }
 
-} // namespace
-
-std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t serial) {
-    return folder / fmt::format("checkpoint-{:06}.hdf", serial);
-}
-
-std::vector<std::int64_t> checkpoint_serials(const std::filesystem::path& folder) {
+/// N of the files checkpoint-N with this ending, ascending.
+std::vector<std::int64_t> serials_of(const std::filesystem::path& folder, std::string_view after) {
     std::vector<std::int64_t> serials;
     std::error_code none;
     for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
         const auto name = entry.path().filename().string();
-        constexpr std::string_view before = "checkpoint-", after = ".json";
+        constexpr std::string_view before = "checkpoint-";
         if (!name.starts_with(before) || !name.ends_with(after)) {
             continue;
         }
@@ -143,11 +138,30 @@ std::vector<std::int64_t> checkpoint_serials(const std::filesystem::path& folder
     return serials;
 }
 
+} // namespace
+
+std::filesystem::path checkpoint_path(const std::filesystem::path& folder, std::int64_t serial) {
+    return folder / fmt::format("checkpoint-{:06}.hdf", serial);
+}
+
+std::vector<std::int64_t> checkpoint_serials(const std::filesystem::path& folder) {
+    return serials_of(folder, ".json");
+}
+
 void remove_checkpoint(const std::filesystem::path& folder, std::int64_t serial) {
     const auto path = checkpoint_path(folder, serial);
     std::error_code ignored;
     std::filesystem::remove(manifest_path(path), ignored);
     std::filesystem::remove(path, ignored);
+}
+
+void remove_orphans(const std::filesystem::path& folder) {
+    for (const auto serial : serials_of(folder, ".hdf")) {
+        std::error_code ignored;
+        if (!std::filesystem::exists(manifest_path(checkpoint_path(folder, serial)), ignored)) {
+            remove_checkpoint(folder, serial);
+        }
+    }
 }
 
 template <int D>

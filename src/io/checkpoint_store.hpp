@@ -34,6 +34,9 @@ std::vector<std::int64_t> checkpoint_serials(const std::filesystem::path& folder
 /// Local. Takes a checkpoint away, its manifest first.
 void remove_checkpoint(const std::filesystem::path& folder, std::int64_t serial);
 
+/// Local. Takes away files of checkpoints that have no manifest: of runs that died between the two.
+void remove_orphans(const std::filesystem::path& folder);
+
 /// **Collective.** Writes a checkpoint, complete and verified before its manifest is there; makes the folder. Throws
 /// SystemError on all ranks, and nothing is left of it then.
 template <int D>

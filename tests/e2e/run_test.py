@@ -158,19 +158,25 @@ class Stops(NappeTest):
                 self.assertIn(f"frame-{steps:08}.hdf", (run.out / "run.xdmf").read_text())
                 self.assertEqual([f for f in run.files() if ".part-" in f], [])
 
-    def test_stop_while_preparing_writes_nothing(self):
+    def test_stop_while_preparing_leaves_a_checkpoint(self):
         # So many sweeps that a step takes about a tenth of a second: even a grain's last motion (it does come to rest, to
         # the last bit) is then minutes away when the signal comes.
         until = "{ kinetic = 1e-30, residual = 1e-30 }"
-        begun = time.monotonic()
-        result = self.stop(
-            signal.SIGUSR1,
-            2,
-            *sets(stages__settle__until=until, solver__sweeps=20000),
-            when=lambda: time.monotonic() > begun + 4,
-        )
-        self.assertEqual(result.code, STOPPED, str(result))
-        self.assertEqual([p for p in self.folder.rglob("*") if p.is_file()], [])
+        for every, left in (("10min", ["checkpoint-000001.hdf", "checkpoint-000001.json"]), ("never", [])):
+            with self.subTest(checkpoint_every=every):
+                begun = time.monotonic()
+                result = self.stop(
+                    signal.SIGUSR1,
+                    2,
+                    *sets(stages__settle__until=until, solver__sweeps=20000),
+                    "--checkpoint-every",
+                    every,
+                    "--overwrite",
+                    when=lambda begun=begun: time.monotonic() > begun + 4,
+                )
+                self.assertEqual(result.code, STOPPED, str(result))
+                self.assertIn("go on with nappe restart" if left else "there is no checkpoint", result.err)
+                self.assertEqual(sorted(p.name for p in self.folder.rglob("*") if p.is_file()), left)
 
 
 class Options(NappeTest):

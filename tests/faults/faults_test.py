@@ -1,0 +1,326 @@
+"""What machines do to runs. Each fault is really caused; then the job must have ended by itself, with a code other than 0,
+within seconds and with words; and what it had must go on to what an undisturbed run leaves, with nothing good
+overwritten."""
+
+import os
+import pathlib
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import time
+
+from processes import alive, children, ranks_of
+from run_kit import BAD_INPUT, DONE, LONG, FOLD, MOST, OTHER, FaultTest, call, paths, start
+
+from nappe_driver import Run, finish, main
+
+
+class Killed(FaultTest):
+    """kill -9, which no program hears."""
+
+    def kill(self, process, victims):
+        family = children(process.pid)
+        for pid in victims(process):
+            os.kill(pid, signal.SIGKILL)
+        result = finish(process, MOST)
+        self.assertNotEqual(result.code, DONE)
+        self.wait_for(lambda: not alive(family))
+
+    def test_of_one_rank_or_all_at_random_moments(self):
+        chance = random.Random(9)
+        one = lambda process: [chance.choice(ranks_of(process.pid, paths.nappe))]  # noqa: E731
+        every = lambda process: ranks_of(process.pid, paths.nappe)  # noqa: E731
+        launcher = lambda process: [process.pid]  # noqa: E731
+        for k, victims in enumerate((one, every, launcher, one)):
+            with self.subTest(kill=k):
+                self.fresh()
+                process = self.start("--checkpoint-every", "3", ranks=2 + k % 2)
+                self.wait(process, self.checkpoints)
+                time.sleep(chance.uniform(0, 1))
+                self.kill(process, victims)
+                self.assert_goes_on(ranks=1 + k % 3)
+
+    def half_written(self, folder, *arguments):
+        process = self.start(*arguments)
+        self.wait(process, lambda: self.checkpoints() and any((self.out / folder).glob("*.part-*")))
+        self.kill(process, lambda process: ranks_of(process.pid, paths.nappe))
+
+    def test_while_a_checkpoint_is_written(self):
+        for _ in range(3):  # until a kill has come in the middle of it
+            self.fresh()
+            self.half_written("checkpoints", "--checkpoint-every", "1")
+            if any((self.out / "checkpoints").glob("*.part-*")):
+                break
+        self.assert_goes_on()
+
+    def test_while_a_frame_is_written(self):
+        frames = ["--set", "output.frames.every=2", "--checkpoint-every", "10"]
+        whole = self.run_it(*frames, out=self.folder / "whole")
+        for _ in range(3):
+            self.fresh()
+            self.half_written("frames", *frames)
+            if any((self.out / "frames").glob("*.part-*")):
+                break
+        run = self.restart()
+        self.assert_same(Run(self.folder / "whole", whole), run)
+
+
+def with_mounts(test):
+    """Skips where this machine lets nobody mount a file system of its own."""
+
+    def wrapped(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=6m", "tmpfs", disk], capture_output=True)
+        if made.returncode != 0:
+            self.skipTest("no file system can be mounted here")
+        try:
+            test(self, disk)
+        finally:
+            subprocess.run(["umount", "--lazy", disk], check=True)
+
+    return wrapped
+
+
+class Disks(FaultTest):
+    """A disk of 6 MB; a checkpoint of this scene has 60 kB, a frame 70 kB."""
+
+    def ends_with_words(self, process, *words):
+        result = finish(process, MOST)
+        self.assertEqual(result.code, OTHER, str(result))
+        self.assertEqual(len(result.errors), 1, result.err)
+        for word in words:
+            self.assertIn(word, result.errors[0])
+        self.assertNotIn("HDF5-DIAG", result.err)
+        return result
+
+    @with_mounts
+    def test_full_while_frames_are_written(self, disk):
+        self.out = disk / "out"
+        process = self.start("--set", "output.frames.every=1", "--checkpoint-every", "5")
+        self.ends_with_words(process, "frame", "free")
+        self.assertTrue(self.checkpoints(), "the disk filled up too early: the case is none")
+        for frame in sorted((self.out / "frames").glob("*"))[20:]:
+            self.assertNotIn(".part-", frame.name)
+        subprocess.run(["mount", "-o", "remount,size=60m", disk], check=True)
+        whole = self.run_it("--set", "output.frames.every=1", out=self.folder / "whole")
+        self.assert_same(Run(self.folder / "whole", whole), self.restart())
+
+    @with_mounts
+    def test_full_for_checkpoints_alone(self, disk):
+        # The run goes on, says so each time, and the checkpoint before stands.
+        self.out = disk / "out"
+        process = self.start("--checkpoint-every", "5", "--set", "output.frames.every=1000")
+        self.wait(process, self.checkpoints)
+        process.send_signal(signal.SIGSTOP)
+        for pid in ranks_of(process.pid, paths.nappe):
+            os.kill(pid, signal.SIGSTOP)
+        room = os.statvfs(disk).f_bavail * os.statvfs(disk).f_frsize
+        subprocess.run(["fallocate", "-l", str(room - 250000), disk / "ballast"], check=True)  # enough for rows
+        for pid in [*ranks_of(process.pid, paths.nappe), process.pid]:
+            os.kill(pid, signal.SIGCONT)
+        result = finish(process)
+        self.assertEqual(result.code, DONE, str(result))
+        self.assertIn("no checkpoint: ", result.err)
+        self.assertIn("no room for", result.err)
+        self.assertIn("stands", result.err)
+        run = Run(self.out, result)
+        self.assertEqual(run.hash, self.whole.hash)
+        self.assertGreater(run.summary["checkpoints"]["failed"], 0)
+        self.assertEqual(len(self.checkpoints()), min(2, run.summary["checkpoints"]["written"]))
+        (disk / "ballast").unlink()
+        (self.out / "summary.json").unlink()
+        self.assertEqual(self.restart().hash, self.whole.hash)
+
+    @with_mounts
+    def test_read_only(self, disk):
+        self.out = disk / "out"
+        process = self.start("--checkpoint-every", "5")
+        self.wait(process, self.checkpoints)
+        family = children(process.pid)
+        os.kill(process.pid, signal.SIGKILL)
+        finish(process)
+        self.wait_for(lambda: not alive(family))
+        self.wait_for(lambda: subprocess.run(["mount", "-o", "remount,ro", disk], capture_output=True).returncode == 0)
+        for command in ("run", "restart"):
+            before = {p: p.read_bytes() for p in self.out.rglob("*") if p.is_file()}
+            what = [FOLD, *LONG, "--out", self.out] if command == "run" else [self.out]
+            self.ends_with_words(start([command, *what, "--samples", self.samples], 2), "Read-only", "choose")
+            self.assertEqual({p: p.read_bytes() for p in self.out.rglob("*") if p.is_file()}, before)
+        subprocess.run(["mount", "-o", "remount,rw", disk], check=True)
+        self.assert_goes_on()
+
+
+class Files(FaultTest):
+    """Files that are not what they were."""
+
+    def setUp(self):
+        super().setUp()
+        self.run_it("--checkpoint-every", "20", "--steps", "50")
+        self.newest = self.checkpoints()[-1]
+
+    def damage(self, path, change):
+        data = bytearray(path.read_bytes())
+        path.write_bytes(change(data))
+
+    def test_a_damaged_checkpoint_gives_way_to_the_one_before(self):
+        def flip(data):
+            data[len(data) // 2] ^= 4
+            return data
+
+        cases = {
+            "cut": (".hdf", lambda data: data[: len(data) // 2], "bytes instead of"),
+            "emptied": (".hdf", lambda data: b"", "has 0 bytes instead of"),
+            "one bit": (".hdf", flip, "is damaged"),
+            "manifest cut": (".json", lambda data: data[: len(data) // 2], "the manifest is damaged"),
+            "manifest of one bit": (".json", flip, "the manifest is damaged"),
+        }
+        saved = {suffix: self.newest.with_suffix(suffix).read_bytes() for suffix in (".hdf", ".json")}
+        for name, (suffix, change, said) in cases.items():
+            with self.subTest(damage=name):
+                for kind, data in saved.items():
+                    self.newest.with_suffix(kind).write_bytes(data)
+                out = self.folder / f"copy-{name}"
+                shutil.copytree(self.out, out)
+                self.damage(out / "checkpoints" / self.newest.with_suffix(suffix).name, change)
+                result = call(["restart", out, "--samples", self.samples], 2)
+                self.assertEqual(result.code, DONE, str(result))
+                self.assertIn("not used: ", result.err)
+                self.assertIn(said, result.err)
+                self.assertIn("step 40,", result.err)
+                self.assert_same(self.whole, Run(out, result))
+
+    def test_no_good_one_is_code_2_and_nothing_is_touched(self):
+        for path in self.checkpoints():
+            self.damage(path.with_suffix(".hdf"), lambda data: data[:-1])
+        before = {p: p.read_bytes() for p in self.out.rglob("*") if p.is_file()}
+        result = self.restart(code=BAD_INPUT).result
+        self.assertEqual(len(result.errors), 1, result.err)
+        self.assertIn("must hold a sound checkpoint", result.errors[0])
+        self.assertEqual(result.errors[0].count("bytes instead of"), 2)
+        self.assertEqual({p: p.read_bytes() for p in self.out.rglob("*") if p.is_file()}, before)
+        shutil.rmtree(self.out / "checkpoints")
+        self.assertIn("found none; begin with nappe run", self.restart(code=BAD_INPUT).result.err)
+        self.assertIn("must be the folder of a run", call(["restart", self.folder / "nowhere"]).err)
+
+    def test_another_scene(self):
+        other = self.folder / "other"
+        self.run_it("--set", "sample.seed=8", "--steps", "10", out=other)
+        for path in (self.out / "checkpoints").iterdir():
+            path.unlink()
+        for path in (other / "checkpoints").iterdir():
+            shutil.copy(path, self.out / "checkpoints")
+        result = self.restart(code=BAD_INPUT).result
+        self.assertIn("must be of the scene in", result.errors[0])
+
+    def test_a_series_that_lost_rows(self):
+        file = self.out / "series/front.csv"
+        whole = file.read_bytes()
+        file.write_bytes(whole[:40])
+        result = self.restart(code=OTHER).result
+        self.assertIn("rows are lost", result.errors[0])
+        file.unlink()
+        self.assertIn("front.csv", self.restart(code=OTHER).result.errors[0])
+        file.write_bytes(whole)
+        self.assert_goes_on()
+
+    def test_remains_of_a_run_that_died(self):
+        for name in ("frames/frame-00000060.hdf", "frames/frame-00000057.hdf.part-host-1", "summary.json.part-host-1",
+                     "checkpoints/checkpoint-000009.hdf.part-host-1", "checkpoints/checkpoint-000009.hdf"):  # fmt: skip
+            (self.out / name).write_bytes(b"half a file")
+        run = self.assert_goes_on()
+        self.assertNotIn("checkpoints/checkpoint-000009.hdf", run.files())
+
+    def test_a_damaged_sample_is_made_again(self):
+        samples = self.folder / "samples"
+        shutil.copytree(self.samples, samples)
+        for path in samples.glob("*.hdf"):
+            self.damage(path, lambda data: data[:-7])
+        result = call(["run", FOLD, *LONG, "--out", self.folder / "new", "--samples", samples], 2)
+        self.assertIn("bytes instead of", result.err)
+        self.assertEqual(Run(self.folder / "new", result).hash, self.whole.hash)
+
+
+class Folders(FaultTest):
+    def test_two_runs_in_one_folder(self):
+        first = self.start("--set", "stages.push.duration=2000", "--checkpoint-every", "20")
+        self.wait(first, self.checkpoints)
+        try:
+            for arguments in (
+                ["run", FOLD, *LONG, "--out", self.out],
+                ["run", FOLD, *LONG, "--out", self.out, "--overwrite"],
+                ["restart", self.out],
+            ):
+                second = call([*arguments, "--samples", self.samples], 2)
+                self.assertEqual(second.code, BAD_INPUT, str(second))
+                self.assertEqual(len(second.errors), 1, second.err)
+                self.assertIn("must be used by one run at a time, found process", second.errors[0])
+        finally:
+            first.send_signal(signal.SIGUSR1)
+            result = finish(first)
+        self.assertEqual(result.code, 3, str(result))
+        self.assertEqual(self.restart("--steps", self.last_step() + 5).summary["restarts"], 1)
+
+    def test_an_unfinished_run_is_not_run_over(self):
+        process = self.start("--checkpoint-every", "5")
+        self.wait(process, self.checkpoints)
+        process.send_signal(signal.SIGUSR1)
+        finish(process)
+        before = {p: p.read_bytes() for p in self.out.rglob("*") if p.is_file()}
+        result = self.run_it(code=BAD_INPUT)
+        self.assertIn(f"go on with nappe restart {self.out}", result.errors[0])
+        self.assertEqual({p: p.read_bytes() for p in self.out.rglob("*") if p.is_file()}, before)
+        result = self.run_it("--overwrite")
+        run = Run(self.out, result)
+        self.assertEqual(run.hash, self.whole.hash)
+        self.assertEqual(run.series("front"), self.whole.series("front"))
+        self.assertEqual(self.checkpoints(), [], "a restart would go on with the run that was thrown away")
+
+    def test_the_folder_vanishes(self):
+        process = self.start("--set", "stages.push.duration=2000", "--checkpoint-every", "5")
+        self.wait(process, lambda: self.rows() > 3)
+        self.out.rename(self.folder / "elsewhere")
+        result = finish(process, MOST)
+        self.assertEqual(result.code, OTHER, str(result))
+        self.assertEqual(len(result.errors), 1, result.err)
+        self.assertIn("create the folder", result.errors[0])
+        (self.folder / "elsewhere").rename(self.out)
+        self.assertEqual(self.restart("--steps", self.last_step() + 5).summary["restarts"], 1)
+
+    def test_too_many_open_files(self):
+        cells = ", ".join(f'{{ name = "c{k}", centre = [{k}, 1], radius = 1 }}' for k in range(60))
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        for ranks in (0, 2):
+            with self.subTest(ranks=ranks):
+                self.fresh()
+                resource.setrlimit(resource.RLIMIT_NOFILE, (60 if ranks == 0 else 72, hard))
+                try:
+                    process = self.start("--set", f"output.cells=[{cells}]", ranks=ranks)
+                finally:
+                    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+                result = finish(process, MOST)
+                self.assertEqual(result.code, OTHER, str(result))
+                self.assertIn("raise the limit on open files (ulimit -n)", result.err)
+
+
+class Clock(FaultTest):
+    def test_goes_backwards(self):
+        os.environ["LD_PRELOAD"] = os.environ["NAPPE_CLOCK"]
+        try:
+            result = self.run_it("--checkpoint-every", "1s", "--set", "stages.push.solver.sweeps=400", ranks=0)
+        finally:
+            del os.environ["LD_PRELOAD"]
+        hours = {line[1:3] for line in result.err.splitlines() if line.startswith("[")}
+        self.assertGreater(len(hours), 1, "the clock did not jump: the case is none")
+        run = Run(self.out, result)
+        whole = self.run_it("--set", "stages.push.solver.sweeps=400", out=self.folder / "whole")
+        self.assert_same(Run(self.folder / "whole", whole), run)
+        self.assertGreater(run.summary["checkpoints"]["written"], 0)
+        self.assertGreater(run.summary["seconds_total"], 0)
+        self.assertLess(run.summary["seconds_total"], 300)
+
+
+if __name__ == "__main__":
+    main()
