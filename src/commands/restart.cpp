@@ -2,6 +2,7 @@
 
 #include "commands/loading.hpp"
 #include "commands/restart_rules.hpp"
+#include "commands/signals.hpp"
 #include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
 
@@ -61,6 +62,7 @@ Checkpoint<2> newest(const Communicator& comm, const std::filesystem::path& fold
 } // namespace
 
 ExitCode restart(const Communicator& comm, RunOptions options) {
+    catch_signals();
     std::string error;
     if (comm.is_root() && !std::filesystem::is_directory(options.out)) {
         error =

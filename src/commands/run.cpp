@@ -75,6 +75,7 @@ void say_what_is_run(const Simulation<2>& simulation, const DiskKernels& kernels
 } // namespace
 
 ExitCode run(const Communicator& comm, const RunOptions& options) {
+    catch_signals();
     const auto text = shared_text(comm, options.scene, read_scene_text);
     const auto scene = parse_scene(text, options.scene, options.overrides);  // every rank finds the same errors
     disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str()); // before anything is written
@@ -88,7 +89,6 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
                    const Checkpoint<2>* from) {
     const auto start = std::chrono::steady_clock::now();
     const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
-    catch_signals();
     from != nullptr ? Recorder::reclaim(comm, options.out, options.samples)
                     : Recorder::claim(comm, options.out, options.samples);
     Simulation<2> simulation(comm, scene, kernels);
