@@ -1,5 +1,6 @@
 #include "commands/bench.hpp"
 #include "commands/check.hpp"
+#include "commands/info.hpp"
 #include "commands/measure.hpp"
 #include "commands/partitions.hpp"
 #include "commands/run.hpp"
@@ -27,6 +28,7 @@ int failed(const nappe::Communicator& world, const char* what, ExitCode code) {
 struct Arguments {
     nappe::RunOptions run;
     std::string checkpoint_every, wall_time;
+    std::filesystem::path info;
     nappe::CostModel cost;
     nappe::BenchOptions bench;
     int ranks = 2;
@@ -177,6 +179,10 @@ void define(CLI::App& app, Arguments& arguments) {
                                               "far it is from a tight reference");
     scene_of(trade);
     define_trade(*trade, arguments.trade);
+    auto* info =
+        app.add_subcommand("info", "what a frame, a sample, a checkpoint or the folder of a run holds, and whether "
+                                   "it is sound");
+    info->add_option("file", arguments.info, "file or folder")->required();
     define_measure(app, arguments.measure);
     define_bench(app, arguments.bench);
 }
@@ -197,6 +203,9 @@ int dispatch(const nappe::Communicator& world, const CLI::App& app, Arguments& a
         }
         world.throw_together<nappe::InputError>(error);
         return code;
+    }
+    if (app.got_subcommand("info")) {
+        return static_cast<int>(nappe::info(world, arguments.info));
     }
     if (app.got_subcommand("measure")) {
         return static_cast<int>(nappe::measure(world, arguments.measure));
