@@ -86,12 +86,19 @@ def write_summary(folder, settings, stopped=False):
 
 
 def stand_in(told):
+    if told[0] == "restart":
+        folder = Path(told[1])
+        (folder / "told.json").write_text(json.dumps(told))
+        text = (folder / "scene.toml").read_text()
+        (folder / "summary.json").write_text(json.dumps({"scene": text, "steps": 20, "stopped_early": False}))
+        return
     options = dict(zip(told[2::2], told[3::2]))
     settings = dict(value.split("=", 1) for option, value in zip(told[2::2], told[3::2]) if option == "--set")
     folder = Path(options["--out"])
     first_frame = folder / "frames/frame-00000000.hdf"
     first_frame.parent.mkdir(parents=True, exist_ok=True)
     (folder / "begun").touch()
+    (folder / "told.json").write_text(json.dumps(told))
     other = folder.parent / folder.name.replace("gamma0", "gamma1e5") / "begun"
     diary = {"alone": not other.exists()}
     time.sleep(0.5)  # settles; long enough for another run to begin if it may
@@ -175,6 +182,36 @@ def test_resume(folder):
     assert "4 of 4 runs are done" in run_tool("run", *quick, "--only", "*seed1")
     printed = run_tool("run", *quick, "--index", 3)  # a Slurm array's way: one sample
     assert sorted(re.findall(r"(\S+): begun", printed)) == ["theta45-h3-gamma0-seed2", "theta45-h3-gamma1e5-seed2"]
+
+
+def test_restart(folder):
+    """What an earlier attempt of the same run left goes on; what one with other settings left is overwritten."""
+    nappe, out = make_stand_in(folder), folder / "out"
+    os.environ["STAND_IN_SECONDS"] = "0"
+    same, other = (run for run in plan.QUICK.runs() if run.theta == 30 and run.seed == 1)
+    for run in (same, other):
+        left = out / run.name
+        settings = {key: plan.toml(value) for key, value in run.settings().items()}
+        if run is other:
+            settings["sample.seed"] = "7"
+        for file in ("checkpoints/checkpoint-00000010.json", "frames/frame-00000000.hdf", "scene.toml"):
+            (left / file).parent.mkdir(parents=True, exist_ok=True)
+            (left / file).write_text(scene_text(settings))
+    first_frame = out / same.name / "frames/frame-00000000.hdf"
+    written = first_frame.stat().st_mtime_ns
+    printed = run_tool("run", "--quick", "--out", out, "--nappe", nappe, "--only", "theta30-*-seed1")
+    assert "failed" not in printed, printed
+    assert json.loads((out / same.name / "told.json").read_text()) == ["restart", str(out / same.name)]
+    assert first_frame.stat().st_mtime_ns == written, "the first frame of a run that goes on is a result of its own"
+    told = json.loads((out / other.name / "told.json").read_text())
+    assert told[0] == "run" and told.count("--overwrite") == 1, told
+    assert "2 of 2 runs are done" in run_tool("run", "--quick", "--out", out, "--only", "theta30-*-seed1")
+
+    settling = next(run for run in plan.QUICK.runs() if run.theta == 45)  # there is no scene yet
+    (out / settling.name / "checkpoints").mkdir(parents=True)
+    (out / settling.name / "checkpoints/checkpoint-000001.json").touch()
+    run_tool("run", "--quick", "--out", out, "--nappe", nappe, "--only", settling.name, code=1)  # the stand-in has none
+    assert json.loads((out / settling.name / "told.json").read_text())[0] == "restart"
 
 
 def test_stop(folder):
@@ -340,7 +377,15 @@ def test_table(folder):
     assert [name for name in rows if f"| {name} |" not in page] == []
 
 
-TESTS = {"table": test_table, "list": test_list, "resume": test_resume, "stop": test_stop, "report": test_report, "program": test_program}
+TESTS = {
+    "table": test_table,
+    "list": test_list,
+    "resume": test_resume,
+    "restart": test_restart,
+    "stop": test_stop,
+    "report": test_report,
+    "program": test_program,
+}
 
 if __name__ == "__main__":
     for name in sys.argv[4:] or TESTS:

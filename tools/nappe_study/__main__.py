@@ -40,15 +40,24 @@ def list_runs(arguments):
 
 
 def run_task(run, arguments):
-    """What an earlier attempt left must not pass for the first frame or the summary of this one."""
+    """Goes on with an earlier attempt that left a checkpoint. What another one left must not pass for the first frame
+    or the summary of this one; its checkpoints may be of other settings, which nappe asks to be told to overwrite."""
     folder = arguments.out / run.name
     first_frame = folder / "frames" / "frame-00000000.hdf"  # is written when the settled sample has been stored
+    stale = ()
+    if results.can_go_on(run, arguments.out):
+        command = run.restart_command(arguments.nappe, arguments.out)
+    else:
+        command = run.command(arguments.nappe, arguments.out, arguments.scene)
+        stale = (first_frame, folder / "summary.json")
+        if results.has_checkpoints(run, arguments.out):
+            command.append("--overwrite")
     return Task(
         run.name,
-        run.command(arguments.nappe, arguments.out, arguments.scene),
+        command,
         arguments.out / "logs" / f"{run.name}.log",
         lambda: results.is_done(run, arguments.out),
-        stale=(first_frame, folder / "summary.json"),
+        stale,
         group=run.sample,
         ready=first_frame,
     )

@@ -124,6 +124,10 @@ class StudyRun:
             command += ["--set", f"{key}={toml(value)}"]
         return command
 
+    def restart_command(self, nappe, out):
+        """Goes on where an earlier attempt left a checkpoint."""
+        return [str(nappe), "restart", str(out / self.name)]
+
     def scene_of(self, summary):
         """The scene as run, or None if the summary does not have it."""
         try:
@@ -131,12 +135,19 @@ class StudyRun:
         except (KeyError, TypeError, tomllib.TOMLDecodeError):
             return None
 
+    def is_scene(self, scene):
+        """Whether this scene as run is that of this very run."""
+        try:
+            return all(_equal(_find(scene, key), value) for key, value in self.settings().items())
+        except (KeyError, TypeError):
+            return False
+
     def is_done(self, summary):
         """Whether this is the summary of this very run, carried to its end."""
         scene = self.scene_of(summary)
         try:
-            same = all(_equal(_find(scene, key), value) for key, value in self.settings().items())
-            return same and not summary["stopped_early"] and summary["steps"] == self.steps(scene)
+            whole = not summary["stopped_early"] and summary["steps"] == self.steps(scene)
+            return whole and self.is_scene(scene)
         except (KeyError, TypeError):
             return False
 

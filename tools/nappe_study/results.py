@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import tomllib
 
 import numpy as np
 from nappe_plot import tables
@@ -46,6 +47,23 @@ def summary_of(run, out):
 
 def is_done(run, out):
     return run.is_done(summary_of(run, out))
+
+
+def has_checkpoints(run, out):
+    return any((out / run.name / "checkpoints").glob("*.json"))
+
+
+def can_go_on(run, out):
+    """Whether an attempt of this very run, stopped or killed, left a checkpoint. While the sample settles the folder does
+    not say of which settings it is; should it be of others, the summary at the end will."""
+    if not has_checkpoints(run, out):
+        return False
+    try:
+        return run.is_scene(tomllib.loads((out / run.name / "scene.toml").read_text()))
+    except FileNotFoundError:
+        return True
+    except (OSError, tomllib.TOMLDecodeError):
+        return False
 
 
 def is_measured(run, out):
