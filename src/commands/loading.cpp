@@ -49,7 +49,7 @@ void Loading::go_through(int stage, bool resumed) {
     const std::int64_t done = simulation_.stage_steps();
     const std::int64_t n =
         settings.until ? 0 : std::min(n_steps(settings), done + std::max<std::int64_t>(0, last_ - course_.steps));
-    progress_.begin_stage(settings.name, n);
+    progress_.begin_stage(settings.name, n, done);
     for (std::int64_t k = done; k < n && !course_.stopped; ++k) {
         const bool with_residual = recorder_.row_due(course_.steps + 1) || course_.steps + 1 == last_;
         const auto agreed = simulation_.step(checkpointer_.wishes(), with_residual);

@@ -65,7 +65,7 @@ void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progre
     if (!goes_on) {
         simulation.start_stage(stage);
     }
-    progress.begin_stage(simulation.scene().stages[static_cast<std::size_t>(stage)].name, 0);
+    progress.begin_stage(simulation.scene().stages[static_cast<std::size_t>(stage)].name, 0, simulation.stage_steps());
     for (;;) {
         const bool look = (simulation.stage_steps() + 1) % settle_check_every == 0;
         const auto agreed = simulation.step(checkpointer.wishes(), look);

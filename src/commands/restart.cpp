@@ -80,7 +80,7 @@ ExitCode restart(const Communicator& comm, RunOptions options) {
     const auto whole = loading_steps(scene);
     const auto wanted = options.steps ? std::min(*options.steps, whole) : whole;
     const auto ended = comm.max(comm.is_root() ? steps_at_end(options.out).value_or(-1) : -1);
-    if (options.overrides.empty() && ended >= wanted) {
+    if (scene.text == before.text && ended >= wanted) {
         progress.info(fmt::format("the run has come to its end with step {}: nothing to do", ended));
         return ExitCode::done;
     }

@@ -53,10 +53,10 @@ Progress::~Progress() {
     clear_line();
 }
 
-void Progress::begin_stage(const std::string& name, std::int64_t n_steps) {
+void Progress::begin_stage(const std::string& name, std::int64_t n_steps, std::int64_t done) {
     stage_ = name;
     n_steps_ = n_steps;
-    step_ = shown_step_ = 0;
+    step_ = shown_step_ = first_step_ = done;
     rate_ = 0;
     started_ = shown_ = settings_.now();
 }
@@ -90,7 +90,7 @@ double Progress::interval(double elapsed) const {
 void Progress::show(double now, bool last) {
     const double elapsed = now - shown_;
     if (last) {
-        rate_ = now > started_ ? static_cast<double>(step_) / (now - started_) : 0;
+        rate_ = now > started_ ? static_cast<double>(step_ - first_step_) / (now - started_) : 0;
     } else if (elapsed > 0) {
         const double recent = static_cast<double>(step_ - shown_step_) / elapsed;
         const double keep = rate_ > 0 ? std::exp(-elapsed / rate_memory) : 0;

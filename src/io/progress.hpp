@@ -29,8 +29,8 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    /// n_steps: of the stage; 0 if it ends by a criterion, then no time left is shown.
-    void begin_stage(const std::string& name, std::int64_t n_steps);
+    /// n_steps: of the stage; 0 if it ends by a criterion, then no time left is shown. done: those that were done before.
+    void begin_stage(const std::string& name, std::int64_t n_steps, std::int64_t done = 0);
     /// After each step; cheap. step: within the stage. time: simulated [s].
     void update(std::int64_t step, double time);
     /// Leaves a last line with the stage's mean rate.
@@ -52,6 +52,7 @@ private:
     std::string stage_;
     std::int64_t n_steps_ = 0;
     std::int64_t step_ = 0;
+    std::int64_t first_step_ = 0;
     double time_ = 0;
     double started_ = 0;
     double shown_ = 0;

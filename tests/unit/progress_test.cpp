@@ -97,6 +97,16 @@ TEST(Progress, StageEndsWithItsMeanRate) {
         << shown.text();
 }
 
+TEST(Progress, RateIsOfTheStepsDoneNow) {
+    Shown shown(false);
+    shown.progress->begin_stage("push", 100, 90); // after a restart
+    shown.clock += 2;
+    shown.progress->update(100, 2.5);
+    shown.progress->end_stage();
+    EXPECT_NE(shown.text().find("push 100 steps, t = 2.5 s, 5 steps/s, done in 2 s\n"), std::string::npos)
+        << shown.text();
+}
+
 TEST(Progress, OtherRanksAreSilent) {
     Shown shown(true, false);
     shown.progress->begin_stage("push", 100);
