@@ -54,8 +54,7 @@ void check(const Sample<2>& sample, double density, const Vec<2>& gravity) {
     if (const auto fault = polygon_fault(sample.profile); !fault.empty()) {
         throw InputError("sample: profile: " + fault);
     }
-    const double most = std::abs(signed_area(sample.profile)) / (3 * radii.min * radii.min);
-    if (!(most < 1e9)) {
+    if (const double most = most_grains(sample); !(most < most_deposited)) {
         throw InputError(
             fmt::format("sample: a deposit holds at most 1e9 grains; this profile and smallest radius allow "
                         "{:.1e}; use larger grains or a smaller profile",
@@ -102,6 +101,10 @@ void order_by_strips(std::vector<PlacedDisk>& disks, double r_max) {
 }
 
 } // namespace
+
+double most_grains(const Sample<2>& sample) {
+    return std::abs(signed_area(sample.profile)) / (3 * sample.radii.min * sample.radii.min);
+}
 
 std::vector<GrainRow<2>> deposit(const Sample<2>& sample, double density, const Vec<2>& gravity) {
     check(sample, density, gravity);

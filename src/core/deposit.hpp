@@ -9,6 +9,12 @@
 
 namespace nappe {
 
+/// No deposit in this profile has more grains: a bound by its area and smallest radius, in the time of a glance. Local.
+double most_grains(const Sample<2>& sample);
+
+/// What a deposit may hold: GlobalIds go further, but one rank makes it.
+inline constexpr double most_deposited = 1e9; // messages say so too
+
 /// Fills a profile with disks from below. Each disk rests on two supports (disks, edges or corners of the profile) that
 /// hold it between them, so that it can not roll down; whole disks lie inside the profile; no overlap exceeds 1e-9 of a
 /// radius.

@@ -94,9 +94,17 @@ std::optional<std::string> nearest(std::string_view word, const std::vector<std:
 }
 
 std::string listed(const std::vector<std::string>& words) {
+    constexpr std::size_t most = 20; // more than a table has keys; names of a scene may be many
     std::string text;
+    std::size_t shown = 0;
     for (const auto& word : words) {
-        text += (text.empty() ? "" : ", ") + word;
+        if (word.empty()) {
+            continue; // whose name is itself a problem
+        }
+        if (shown == most) {
+            return text + ", …";
+        }
+        text += (shown++ == 0 ? "" : ", ") + word;
     }
     return text;
 }

@@ -26,7 +26,7 @@ const TableKeys& keys_of(std::string_view table);
 /// The candidate that `word` is most likely a misspelling of, if any is close. Local.
 std::optional<std::string> nearest(std::string_view word, const std::vector<std::string>& candidates);
 
-/// "a, b, c". Local.
+/// "a, b, c"; the first 20 of them. Local.
 std::string listed(const std::vector<std::string>& words);
 
 } // namespace nappe::scene_file

@@ -12,6 +12,11 @@ namespace nappe::scene_file {
 
 namespace {
 
+/// Rules compare all pairs of them, of grains those that are near each other.
+constexpr std::size_t most_materials = 100;
+constexpr std::size_t most_laws = most_materials * (most_materials + 1) / 2 + most_materials;
+constexpr std::size_t most_single_grains = 100'000;
+
 template <class Named>
 std::vector<std::string> names_of(const std::vector<Named>& things) {
     std::vector<std::string> names;
@@ -224,7 +229,8 @@ void read_cohesion(const TableReader& table, const Scene<2>& scene, bool cohesiv
 void read_materials(const TableReader& top, Scene<2>& scene) {
     // Walls are made of this one unless they say otherwise.
     scene.materials.push_back({"wall", 0});
-    for (const auto& [name, table] : top.named_tables("materials", "[materials.NAME]", "write [materials.rock]")) {
+    for (const auto& [name, table] :
+         top.named_tables("materials", "[materials.NAME]", "write [materials.rock]", most_materials)) {
         Material material{name, 0};
         table.read("density", material.density,
                    positive("kg/m³", "give the mass per area, or leave it out if only walls are made of it"));
@@ -243,7 +249,7 @@ void read_materials(const TableReader& top, Scene<2>& scene) {
 }
 
 void read_laws(const TableReader& top, Scene<2>& scene) {
-    for (const auto& table : top.tables("laws", "[[laws]]", "write [[laws]]")) {
+    for (const auto& table : top.tables("laws", "[[laws]]", "write [[laws]]", most_laws)) {
         ContactLaw law;
         std::string type;
         if (table.read("type", type, "write \"frictional\" or \"cohesive\"", Need::required) && type != "frictional" &&
@@ -287,7 +293,7 @@ void read_sample(const TableReader& top, Scene<2>& scene) {
 }
 
 void read_grains(const TableReader& top, Scene<2>& scene) {
-    for (const auto& table : top.tables("grains", "[[grains]]", "write [[grains]]")) {
+    for (const auto& table : top.tables("grains", "[[grains]]", "write [[grains]]", most_single_grains)) {
         SingleGrain<2> grain;
         read_material(table, scene, grain.material, Need::required);
         table.read("radius", grain.radius, positive("m", "give the radius in metres"), Need::required);

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_path.hpp"
+#include "io/scene_table.hpp"
 
 #include <fmt/format.h>
 
@@ -21,27 +22,14 @@ std::string_view trimmed(std::string_view text) {
     return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-/// Fit for a message: on one line and not endless.
-std::string one_line(std::string_view text) {
-    constexpr std::size_t most = 100;
-    std::size_t end = std::min(most, text.size());
-    while (end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
-        --end; // not within a character of UTF-8
-    }
-    std::string line(text.substr(0, end));
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-    return end < text.size() ? line + "…" : line;
-}
-
 /// A document of exactly one (dotted) key; none if the value is not TOML, or is more than a value.
 std::optional<toml::table> parse_one(const std::string& key, std::string_view value, const std::string& place) {
     if (value.find_first_of("\n\r") != std::string_view::npos) {
         return std::nullopt;
     }
     try {
-        return std::optional<toml::table>(toml::parse(fmt::format("{} = {}", key, value), std::string_view(place)));
-    } catch (const toml::parse_error&) {
+        return std::optional<toml::table>(parse_toml(fmt::format("{} = {}", key, value), place));
+    } catch (const InputError&) {
         return std::nullopt;
     }
 }
@@ -77,7 +65,7 @@ void apply_override(toml::table& root, const std::string& text, const std::strin
     const auto equals = text.find('=');
     const auto key = trimmed(std::string_view(text).substr(0, equals));
     const auto segments = split_path(key);
-    bool good = equals != std::string::npos && !segments.empty();
+    bool good = equals != std::string::npos && !segments.empty() && segments.size() <= deepest_path;
     for (const auto& segment : segments) {
         good = good && is_name(segment);
     }

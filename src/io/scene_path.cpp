@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <set>
 
 namespace nappe::scene_file {
 
@@ -26,6 +27,21 @@ std::optional<std::size_t> index_of(std::string_view segment) {
         return std::nullopt;
     }
     return index;
+}
+
+/// Bytes of the character of UTF-8 that the text starts with; 0 if it starts with none.
+std::size_t character_length(std::string_view text) {
+    const auto lead = static_cast<unsigned char>(text[0]);
+    const std::size_t length = lead < 0x80   ? 1
+                               : lead < 0xC2 ? 0
+                               : lead < 0xE0 ? 2
+                               : lead < 0xF0 ? 3
+                               : lead < 0xF5 ? 4
+                                             : 0;
+    const auto follows = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+    const bool whole = length <= text.size() && length > 0 &&
+                       std::all_of(text.begin() + 1, text.begin() + static_cast<std::ptrdiff_t>(length), follows);
+    return whole ? length : 0;
 }
 
 } // namespace
@@ -79,26 +95,47 @@ std::vector<std::string> child_names(const toml::node& parent) {
             names.emplace_back(key.str());
         }
     } else if (const auto* array = parent.as_array()) {
-        for (std::size_t i = 0; i < array->size(); ++i) {
-            names.push_back(element_label(*array, i));
-        }
+        names = element_labels(*array);
     }
     return names;
 }
 
-std::string element_label(const toml::array& array, std::size_t i) {
-    const auto name = name_of(*array.get(i));
-    const bool meant = name && find_child(array, *name) == array.get(i);
-    return meant ? *name : std::to_string(i);
+std::vector<std::string> element_labels(const toml::array& array) {
+    std::vector<std::string> labels;
+    std::set<std::string> taken;
+    for (const auto& element : array) {
+        const auto name = name_of(element);
+        labels.push_back(name && taken.insert(*name).second ? *name : std::to_string(labels.size()));
+    }
+    return labels;
 }
 
 std::string join_path(std::string_view path, std::string_view segment) {
     return path.empty() ? std::string(segment) : fmt::format("{}.{}", path, segment);
 }
 
+std::string one_line(std::string_view text, std::size_t most) {
+    std::string line;
+    for (std::size_t i = 0; i < text.size();) {
+        const auto length = character_length(text.substr(i));
+        if (line.size() + std::max<std::size_t>(length, 1) > most) {
+            return line + "…";
+        }
+        if (length == 0) {
+            line += '?';
+        } else if (const auto first = static_cast<unsigned char>(text[i]); first < 0x20 || first == 0x7F) {
+            line += ' ';
+        } else {
+            line += text.substr(i, length);
+        }
+        i += std::max<std::size_t>(length, 1);
+    }
+    return line;
+}
+
 std::string shown(const toml::node& node) {
     if (const auto* text = node.as_string()) {
-        return fmt::format("\"{}\"", text->get());
+        return fmt::format("\"{}\"", one_line(text->get()));
     }
     if (const auto* number = node.as_floating_point()) {
         // 80.0 keeps its point: it may be just what is wrong with it.

@@ -11,6 +11,9 @@
 
 namespace nappe::scene_file {
 
+/// Segments of a path; no key lies deeper.
+inline constexpr std::size_t deepest_path = 16;
+
 /// "a.b.c" taken apart; "" gives no segments. Local.
 std::vector<std::string> split_path(std::string_view path);
 
@@ -24,11 +27,15 @@ toml::node* find_child(toml::node& parent, std::string_view segment);
 /// What the segments below `parent` may be: keys of a table, names or indices of an array. Local.
 std::vector<std::string> child_names(const toml::node& parent);
 
-/// How element i of an array is called in messages: its name if it has one that no earlier element has, else i. Local.
-std::string element_label(const toml::array& array, std::size_t i);
+/// How the elements of an array are called in messages: by name if they have one that no earlier element has, else by
+/// index. Local.
+std::vector<std::string> element_labels(const toml::array& array);
 
 /// path.segment, or the segment alone at the top. Local.
 std::string join_path(std::string_view path, std::string_view segment);
+
+/// Fit for a message, whatever was typed: on one line, without what is no UTF-8 or no character, at most `most` bytes.
+std::string one_line(std::string_view text, std::size_t most = 100);
 
 /// A value as messages show it: 0.5, "text", a table, an array of 3 values. Local.
 std::string shown(const toml::node& node);

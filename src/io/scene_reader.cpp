@@ -9,11 +9,11 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 
 namespace nappe {
@@ -42,9 +42,20 @@ std::string read_input_text(const std::string& path, std::string_view kind, std:
         throw InputError(
             fmt::format("{}: must be a readable {} file, found: {}; check the path", path, kind, std::strerror(errno)));
     }
-    std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    // What never ends (/dev/zero) must not be read to its end; in memory a tree of TOML is some thirty times its text.
+    constexpr std::size_t most = std::size_t{64} << 20;
+    std::string text;
+    for (std::array<char, 1 << 16> piece{}; text.size() <= most && file;) {
+        file.read(piece.data(), piece.size());
+        text.append(piece.data(), static_cast<std::size_t>(file.gcount()));
+    }
     if (file.bad()) {
-        throw InputError(fmt::format("{}: must be a readable {} file, found an error while reading", path, kind));
+        throw InputError(
+            fmt::format("{}: must be a readable {} file, found an error while reading; check the disk", path, kind));
+    }
+    if (text.size() > most) {
+        throw InputError(fmt::format("{}: must be a {} file of at most {} MiB, found more; is it the right file?", path,
+                                     kind, most >> 20));
     }
     if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
         throw InputError(fmt::format("{}: must hold a {}, found an empty file; {}", path, kind, help));

@@ -329,14 +329,18 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     check_kept_geometry(scene, problems);
     check_correction(scene, problems);
     check_wall_points(scene, problems);
+    check_zone(scene, problems);
+    check_coupling(scene, problems);
     check_tiles(scene, radii, problems);
+    check_sizes(scene, radii.min, problems);
     check_extent(scene, radii, problems);
+    if (!problems.empty()) {
+        return; // what follows takes sizes and distances for sound
+    }
     if (scene.sample && check_profile(scene, problems)) {
         check_profile_is_free(scene, problems);
     }
     check_single_grains(scene, problems);
-    check_zone(scene, problems);
-    check_coupling(scene, problems);
 }
 
 } // namespace nappe::scene_file

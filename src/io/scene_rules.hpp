@@ -9,4 +9,8 @@ namespace nappe::scene_file {
 /// Adds every rule that a scene, whole in each of its sections, still breaks. Local.
 void check_rules(const Scene<2>& scene, Problems& problems);
 
+/// Part of it (io/scene_sizes.cpp): how much a scene may ask for. Local.
+/// @param smallest_radius of all grains [m]
+void check_sizes(const Scene<2>& scene, double smallest_radius, Problems& problems);
+
 } // namespace nappe::scene_file

@@ -10,6 +10,8 @@ namespace nappe::scene_file {
 
 namespace {
 
+constexpr std::size_t longest_title = 200;
+
 /// False if the rest can not be read as a scene in the plane.
 bool read_world(const TableReader& top, Scene<2>& scene) {
     const auto world = top.table("world", "[world]", "write [world]");
@@ -77,7 +79,10 @@ std::string read_name(const TableReader& element, const std::vector<std::string>
 Scene<2> read_sections(const toml::table& root, Problems& problems) {
     Scene<2> scene;
     const TableReader top(root, "", "top level", problems);
-    top.read("title", scene.title, "one line for pictures and logs");
+    constexpr auto title_remedy = "one line for pictures and logs";
+    if (top.read("title", scene.title, title_remedy) && one_line(scene.title, longest_title) != scene.title) {
+        top.problem("title", fmt::format("must be one line of at most {} bytes", longest_title), title_remedy);
+    }
     if (!read_world(top, scene)) {
         return scene;
     }

@@ -24,11 +24,12 @@ std::string words(const RealRule& rule) {
     return rule.unit.empty() ? text : fmt::format("{} [{}]", text, rule.unit);
 }
 
-std::string words(const IntegerRule& rule) {
+/// The bound on all counts is told only to those who pass it.
+std::string words(const IntegerRule& rule, std::int64_t found = 0) {
     if (rule.min == rule.max) {
         return fmt::format("must be {}", rule.min);
     }
-    return rule.max < std::numeric_limits<int>::max()
+    return rule.max < largest_count || found > rule.max
                ? fmt::format("must be an integer in [{}, {}]", rule.min, rule.max)
                : fmt::format("must be an integer >= {}", rule.min);
 }
@@ -37,18 +38,51 @@ bool holds(const RealRule& rule, double value) {
     return std::isfinite(value) && value >= rule.min && value <= rule.max && !(rule.above_min && value == rule.min);
 }
 
+/// What a value that is good in itself breaks nevertheless: it makes no sense and would overflow. "" if nothing.
+std::string excess(const RealRule& rule, double value) {
+    const auto unit = rule.unit.empty() ? "" : fmt::format(" [{}]", rule.unit);
+    if (std::abs(value) > largest_number) {
+        return fmt::format("must lie within ±{}{}", largest_number, unit);
+    }
+    const bool measure = rule.above_min && rule.min == 0 && !rule.unit.empty();
+    return measure && value < smallest_measure ? fmt::format("must be >= {}{}", smallest_measure, unit) : "";
+}
+
 std::string message(std::string_view rule, std::string_view found, std::string_view remedy) {
     return fmt::format("{}, found {}{}{}", rule, found, remedy.empty() ? "" : "; ", remedy);
+}
+
+/// toml++ bounds brackets in brackets, but not the parts of a dotted key. Dots between two characters that end a key are
+/// counted, those of texts too: a line of prose with more is not to be expected.
+void check_depth(std::string_view text, std::string_view file_name) {
+    constexpr int most = 32;
+    std::size_t line = 1;
+    int dots = 0;
+    for (const char c : text) {
+        line += c == '\n' ? 1 : 0;
+        if (c == '.') {
+            ++dots;
+        } else if (std::string_view("=,[]{}#\n").find(c) != std::string_view::npos) {
+            dots = 0;
+        }
+        if (dots > most) {
+            throw InputError(fmt::format("{}:{}: must have at most {} dots in a key, found more; keys of scenes have "
+                                         "few (or break up the text)",
+                                         file_name, line, most));
+        }
+    }
 }
 
 } // namespace
 
 toml::table parse_toml(std::string_view text, std::string_view file_name) {
+    check_depth(text, file_name);
     try {
         return toml::parse(text, file_name);
     } catch (const toml::parse_error& error) {
-        throw InputError(fmt::format("{}:{}: must be valid TOML: {} (column {}); see https://toml.io", file_name,
-                                     error.source().begin.line, error.description(), error.source().begin.column));
+        throw InputError(fmt::format("{}:{}: must be valid TOML, found: {} (column {}); see https://toml.io", file_name,
+                                     error.source().begin.line, one_line(error.description(), 300),
+                                     error.source().begin.column));
     }
 }
 
@@ -68,11 +102,20 @@ void Problems::add_at(const toml::node& node, const std::string& path, const std
     const auto& source = node.source();
     // A value that came by --set has the override for its "file" and no line worth telling.
     if (source.path && *source.path != file_) {
-        problems_.push_back({0, fmt::format("{}: {}: {}", *source.path, path, text)});
+        keep(0, fmt::format("{}: {}: {}", *source.path, path, text));
     } else if (source.begin.line == 0 || &node == &root_) {
-        problems_.push_back({0, fmt::format("{}: {}: {}", file_, path, text)});
+        keep(0, fmt::format("{}: {}: {}", file_, path, text));
     } else {
-        problems_.push_back({source.begin.line, fmt::format("{}:{}: {}: {}", file_, source.begin.line, path, text)});
+        keep(source.begin.line, fmt::format("{}:{}: {}: {}", file_, source.begin.line, path, text));
+    }
+}
+
+void Problems::keep(unsigned line, std::string text) {
+    constexpr std::size_t most = 1000;
+    if (problems_.size() < most) {
+        problems_.push_back({line, std::move(text)});
+    } else {
+        ++more_;
     }
 }
 
@@ -88,7 +131,7 @@ void Problems::throw_if_any() const {
         text += (i > 0 ? "\n" : "") + sorted[i].text;
     }
     if (sorted.size() > most) {
-        text += fmt::format("\n… and {} more", sorted.size() - most);
+        text += fmt::format("\n… and {} more", sorted.size() - most + more_);
     }
     throw InputError(text);
 }
@@ -101,10 +144,10 @@ TableReader::TableReader(const toml::table& table, std::string path, std::string
         const std::string name(key.str());
         if (std::find(known.begin(), known.end(), name) == known.end()) {
             const auto meant = nearest(name, known);
-            problems_->add_at(node, join_path(path_, name),
+            problems_->add_at(node, join_path(path_, one_line(name)),
                               fmt::format("unknown key; must be one of those of {} ({}), found \"{}\"; {}",
                                           known_as == "top level" || known_as == "matrix" ? "the top level" : known_as,
-                                          listed(known), name,
+                                          listed(known), one_line(name),
                                           meant ? fmt::format("did you mean {}?", *meant) : "remove it"));
         }
     }
@@ -132,10 +175,16 @@ void TableReader::problem(std::string_view key, std::string_view rule, std::stri
 
 bool TableReader::check_real(const toml::node& node, const std::string& path, double& target,
                              const RealRule& rule) const {
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    const auto* integer = node.as_integer();
+    const auto value = integer != nullptr ? static_cast<double>(integer->get()) : node.value_exact<double>();
+    std::string broken;
     if (!value || !holds(rule, *value)) {
-        const auto kind = value ? words(rule) : fmt::format("{} (a number)", words(rule));
-        problems_->add_at(node, path, message(kind, shown(node), rule.remedy));
+        broken = value ? words(rule) : fmt::format("{} (a number)", words(rule));
+    } else {
+        broken = excess(rule, *value);
+    }
+    if (!broken.empty()) {
+        problems_->add_at(node, path, message(broken, shown(node), rule.remedy));
         return false;
     }
     target = *value;
@@ -179,7 +228,7 @@ bool TableReader::read(std::string_view key, std::int64_t& target, const Integer
     }
     const auto* value = find(key)->as_integer();
     if (value == nullptr || value->get() < rule.min || value->get() > rule.max) {
-        problem(key, words(rule), rule.remedy);
+        problem(key, value != nullptr ? words(rule, value->get()) : words(rule), rule.remedy);
         return false;
     }
     target = value->get();
@@ -278,8 +327,8 @@ std::optional<TableReader> TableReader::table(std::string_view key, std::string_
     return TableReader(*below, join_path(path_, key), known_as, *problems_);
 }
 
-std::vector<TableReader> TableReader::tables(std::string_view key, std::string_view known_as,
-                                             std::string_view remedy) const {
+std::vector<TableReader> TableReader::tables(std::string_view key, std::string_view known_as, std::string_view remedy,
+                                             std::size_t most) const {
     std::vector<TableReader> readers;
     if (!has(key)) {
         return readers;
@@ -289,8 +338,13 @@ std::vector<TableReader> TableReader::tables(std::string_view key, std::string_v
         problem(key, "must be an array of tables", remedy);
         return readers;
     }
+    if (array->size() > most) {
+        problem(key, fmt::format("must hold at most {} tables", most), "merge some, or split the scene");
+        return readers;
+    }
+    const auto labels = element_labels(*array);
     for (std::size_t i = 0; i < array->size(); ++i) {
-        const auto path = join_path(join_path(path_, key), element_label(*array, i));
+        const auto path = join_path(join_path(path_, key), labels[i]);
         if (const auto* below = array->get(i)->as_table()) {
             readers.emplace_back(*below, path, known_as, *problems_);
         } else {
@@ -300,8 +354,10 @@ std::vector<TableReader> TableReader::tables(std::string_view key, std::string_v
     return readers;
 }
 
-std::vector<std::pair<std::string, TableReader>>
-TableReader::named_tables(std::string_view key, std::string_view known_as, std::string_view remedy) const {
+std::vector<std::pair<std::string, TableReader>> TableReader::named_tables(std::string_view key,
+                                                                           std::string_view known_as,
+                                                                           std::string_view remedy,
+                                                                           std::size_t most) const {
     std::vector<std::pair<std::string, TableReader>> readers;
     const auto* parent = has(key) ? find(key)->as_table() : nullptr;
     if (parent == nullptr) {
@@ -310,12 +366,16 @@ TableReader::named_tables(std::string_view key, std::string_view known_as, std::
         }
         return readers;
     }
+    if (parent->size() > most) {
+        problem(key, fmt::format("must hold at most {} tables", most), "merge some, or split the scene");
+        return readers;
+    }
     for (const auto& [name, node] : *parent) {
-        const auto path = join_path(join_path(path_, key), name.str());
+        const auto path = join_path(join_path(path_, key), one_line(name.str()));
         if (!is_name(name.str())) {
             problems_->add_at(node, path,
                               message("must be named with 1 to 64 letters, digits, _ or -",
-                                      fmt::format("\"{}\"", name.str()), "rename it"));
+                                      fmt::format("\"{}\"", one_line(name.str())), "rename it"));
         } else if (const auto* below = node.as_table()) {
             readers.emplace_back(std::string(name.str()), TableReader(*below, path, known_as, *problems_));
         } else {

@@ -16,7 +16,8 @@
 
 namespace nappe::scene_file {
 
-/// The file's tree. Local. Throws InputError, with the line, if it is not TOML.
+/// The file's tree. Local. Throws InputError, with the line, if it is not TOML, or nested deeper than any scene (trees
+/// are taken down by recursion: the stack must hold it).
 toml::table parse_toml(std::string_view text, std::string_view file_name);
 
 /// What is wrong with a scene: place, key, rule, value found, remedy. Every member is Local.
@@ -35,16 +36,24 @@ public:
     void throw_if_any() const;
 
 private:
+    void keep(unsigned line, std::string text);
+
     struct Problem {
         unsigned line = 0;
         std::string text;
     };
     const toml::table& root_;
     std::string_view file_;
-    std::vector<Problem> problems_;
+    std::vector<Problem> problems_; ///< no more than anyone reads
+    std::size_t more_ = 0;          ///< left out
 };
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+/// No number of a scene is larger, and none that must be > 0 in some unit is smaller than its inverse: products and squares
+/// of a few of them (masses, energies) are numbers still.
+inline constexpr double largest_number = 1e30;
+inline constexpr double smallest_measure = 1e-30;
 
 /// The values that a real number may take. Never infinite, never NaN.
 struct RealRule {
@@ -69,13 +78,19 @@ constexpr RealRule any_real(std::string_view unit, std::string_view remedy) {
     return {-no_limit, no_limit, false, unit, remedy};
 }
 
+/// Sums of a few of them are ints still.
+inline constexpr std::int64_t largest_count = 500'000'000;
+
 struct IntegerRule {
     std::int64_t min = 0;
     std::string_view remedy;
-    std::int64_t max = std::numeric_limits<int>::max();
+    std::int64_t max = largest_count;
 };
 
 enum class Need { optional, required };
+
+/// Things of one kind that a scene may name: rules compare all pairs of them.
+inline constexpr std::size_t most_named = 1000;
 
 /// Reads the keys of one table. `read` assigns its target and returns true if the key is there and good; a wrong value,
 /// or a required key that is absent, is added to the problems and the target is left alone. Every member is Local.
@@ -97,11 +112,12 @@ public:
     /// A table below this one; none if absent or not a table.
     std::optional<TableReader> table(std::string_view key, std::string_view known_as, std::string_view remedy,
                                      Need need = Need::optional) const;
-    /// An array of tables below this one; empty if absent or of another type.
-    std::vector<TableReader> tables(std::string_view key, std::string_view known_as, std::string_view remedy) const;
-    /// [key.NAME]: tables below this one whose keys are free names.
+    /// An array of tables below this one; empty if absent, of another type, or longer than `most`.
+    std::vector<TableReader> tables(std::string_view key, std::string_view known_as, std::string_view remedy,
+                                    std::size_t most = most_named) const;
+    /// [key.NAME]: tables below this one whose keys are free names; none if there are more than `most`.
     std::vector<std::pair<std::string, TableReader>> named_tables(std::string_view key, std::string_view known_as,
-                                                                  std::string_view remedy) const;
+                                                                  std::string_view remedy, std::size_t most) const;
 
     bool has(std::string_view key) const { return find(key) != nullptr; }
     const toml::node* find(std::string_view key) const { return table_->get(key); }

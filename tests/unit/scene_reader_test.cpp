@@ -228,6 +228,38 @@ TEST(scene_reader, files_that_are_no_scenes) {
     std::filesystem::remove_all(folder);
 }
 
+/// Input that takes a program down by its size alone is refused, with a short message, whatever its form.
+TEST(scene_reader, endless_input_is_refused_with_its_number) {
+    EXPECT_EQ(file_error("/dev/zero"),
+              "/dev/zero: must be a scene file of at most 64 MiB, found more; is it the right file?");
+    const auto repeated = [](std::string_view piece, int times) {
+        std::string text;
+        for (int k = 0; k < times; ++k) {
+            text += piece;
+        }
+        return text;
+    };
+    const auto expect_part = [](const std::string& error, std::string_view part) {
+        EXPECT_NE(error.find(part), std::string::npos) << error.substr(0, 1000);
+        EXPECT_LT(error.size(), 20 * 2000u); // 20 problems of a screenful each
+    };
+    const int many = 300000;
+    expect_part(error_of("x" + repeated(".x", many) + " = 1"), "bad.toml:1: must have at most 32 dots in a key");
+    expect_part(error_of("x = " + repeated("[", many)), "bad.toml:1: must be valid TOML, found: ");
+    expect_part(error_of("x = " + repeated("{ x = ", many)), "bad.toml:1: must be valid TOML, found: ");
+    expect_part(error_of(repeated("[[walls]]\n", many)), "walls: must hold at most 1000 tables, found an array of 300000");
+    expect_part(error_of(repeated("[[grains]]\nname = \"a\"\n", many)), "grains: must hold at most 100000 tables");
+    expect_part(error_of(repeated("[[grains]]\nname = \"a\"\n", 90000)), "… and ");
+    expect_part(error_of(std::string(many, 'k') + " = 1"), "kkk…: unknown key; must be one of those of the top level");
+    expect_part(error_of("title = \"" + std::string(many, 't') + "\""), "ttt…\"; one line for pictures");
+    expect_part(error_of(sound_scene, {"sample.profile=[" + repeated("[0, 0],", 5000) + "]"}),
+                "sample.profile: must have at most 4096 points, found 5000");
+    expect_part(error_of(sound_scene, {"walls.lid.points=[" + repeated("[30, 0], [30, 1],", 9000) + "]"}),
+                "walls: must have at most 16384 points together, found 18004");
+    expect_part(error_of(sound_scene, {repeated("solver.", many) + "h=1"}), "must be KEY=VALUE with a dotted KEY");
+    expect_part(error_of(sound_scene, {"solver.h=" + repeated("[", many)}), "the value must be TOML on one line");
+}
+
 TEST(scene_reader, the_small_fold_is_the_fold_at_quarter_scale) {
     const auto fold = read_scene(source_dir + "/jobs/fold.toml");
     auto scaled = read_scene(source_dir + "/jobs/fold-small.toml");
