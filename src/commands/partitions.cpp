@@ -184,7 +184,7 @@ void load(Simulation<2>& simulation, const PartitionsOptions& options) {
     if (options.samples.empty()) {
         simulation.load(initial_grains(scene), {}, h);
     } else {
-        const auto found = load_sample<2>(simulation.comm(), options.samples, sample_origin(scene));
+        const auto found = load_sample<2>(simulation.comm(), options.samples, sample_origin(scene), row_limits(scene));
         if (!found.sample) {
             throw InputError(fmt::format("--samples: must hold the scene's settled sample, found none in {} ({}); run "
                                          "the scene once with the same --samples, or leave it away for the deposit",

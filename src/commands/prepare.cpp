@@ -208,7 +208,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
         course->at("deposit_seconds").get_to(report.deposit_seconds);
         course->at("settle_seconds").get_to(settled_before);
     } else if (n_settling > 0) {
-        const auto found = load_sample<2>(comm, store, origin);
+        const auto found = load_sample<2>(comm, store, origin, row_limits(scene));
         if (found.sample) {
             progress.info(fmt::format("settled sample: {} reused", sample_path(store, origin).string()));
             simulation.load(found.sample->grains, found.sample->contacts, h);
@@ -239,7 +239,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
     }
     store_sample<2>(comm, store, origin, simulation.grain_rows(), simulation.contact_rows(),
                     {{"settle_steps", report.settle_steps}});
-    const auto stored = load_sample<2>(comm, store, origin);
+    const auto stored = load_sample<2>(comm, store, origin, row_limits(scene));
     if (!stored.sample) {
         throw SystemError(fmt::format("{}: the sample just stored can not be read back ({}); check the disk",
                                       sample_path(store, origin).string(), stored.reason));

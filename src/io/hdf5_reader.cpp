@@ -58,7 +58,9 @@ double Hdf5Reader::number(const std::string& object, const std::string& attribut
 std::string Hdf5Reader::text(const std::string& object, const std::string& attribute) const {
     const auto opened = open_attribute(file_, object, attribute);
     const Hdf5Handle type(H5Aget_type(opened.get()), H5Tclose, "no type");
-    if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0) {
+    const Hdf5Handle space(H5Aget_space(opened.get()), H5Sclose, "no data space");
+    if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
+        H5Sget_simple_extent_npoints(space.get()) != 1) {
         throw Hdf5Failure("attribute " + attribute + " of " + object + " is not a text");
     }
     std::string value(H5Tget_size(type.get()), '\0');

@@ -35,6 +35,9 @@ Extent extent(const Hdf5Handle& space, const std::string& path) {
     }
     Extent extent{std::vector<hsize_t>(static_cast<std::size_t>(n_dimensions)), n_dimensions > 2 ? 1u : 0u};
     H5Sget_simple_extent_dims(space.get(), extent.size.data(), nullptr);
+    if (extent.layers() == 0) {
+        throw Hdf5Failure("dataset " + path + " is an image without layers");
+    }
     return extent;
 }
 
@@ -107,10 +110,17 @@ std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path
     const auto space = space_of(dataset);
     const auto size = extent(space, path);
     if (H5Tequal(stored.get(), native_type(type)) <= 0 || size.columns() != static_cast<hsize_t>(columns) ||
-        first < 0 || rows < 0 || static_cast<hsize_t>(first + rows) > size.rows()) {
+        first < 0 || rows < 0 || static_cast<hsize_t>(rows) > size.rows() ||
+        static_cast<hsize_t>(first) > size.rows() - static_cast<hsize_t>(rows)) {
         throw Hdf5Failure("dataset " + path + " has another type or size than expected");
     }
     const auto row_bytes = element_bytes(type) * static_cast<std::size_t>(columns);
+    // A dataset may claim more rows than its file has bytes: nothing is allocated on its word. As doubles: no overflow.
+    const double claimed =
+        static_cast<double>(size.layers()) * static_cast<double>(size.rows()) * static_cast<double>(row_bytes);
+    if (claimed > static_cast<double>(H5Dget_storage_size(dataset.get()))) {
+        throw Hdf5Failure("dataset " + path + " claims more rows than are stored");
+    }
     std::vector<std::byte> bytes(size.layers() * static_cast<std::size_t>(rows) * row_bytes);
     for_each_piece(space, size, row_bytes, first, rows, [&](hid_t memory, hid_t in_file, std::size_t at) {
         hdf5_check(H5Dread(dataset.get(), native_type(type), memory, in_file, H5P_DEFAULT, bytes.data() + at),

@@ -39,7 +39,7 @@ void add_origin(const Communicator& comm, const SampleOrigin& origin, Hdf5Conten
 /// This rank's part. Local; throws if the file is not what it should be.
 template <int D>
 StoredSample<D> read_sample(const Communicator& comm, SlabReader& reader, const SampleOrigin& origin,
-                            const StoredManifest& manifest) {
+                            const StoredManifest& manifest, const RowLimits& limits) {
     const auto& file = reader.file();
     const auto made_from = reader.read_text(comm, origin_path);
     if (file.bits("/", "key") != origin.key() || file.integer("/", "physics_revision") != origin.physics_revision ||
@@ -49,6 +49,13 @@ StoredSample<D> read_sample(const Communicator& comm, SlabReader& reader, const 
     const IdBlocks blocks{manifest.n_grains, comm.size()};
     const auto first = blocks.first(comm.rank());
     const auto count = blocks.count(comm.rank());
+    for (const auto& [path, rows] :
+         {std::pair("/grains/id", manifest.n_grains), {"/contacts/lo", manifest.n_contacts}}) {
+        if (file.rows(path) != rows) {
+            throw std::runtime_error(
+                fmt::format("dataset {} has {} rows, the manifest says {}", path, file.rows(path), rows));
+        }
+    }
 
     StoredSample<D> sample;
     sample.n_grains = manifest.n_grains;
@@ -57,6 +64,13 @@ StoredSample<D> read_sample(const Communicator& comm, SlabReader& reader, const 
     sample.grains.resize(static_cast<std::size_t>(count));
     visit_grain_fields<D>(filling(reader, first, sample.grains));
     sample.contacts = reader.read_contacts<D>(first, count, comm.rank() == comm.size() - 1);
+    for (const auto& broken :
+         {broken_rule<D>(std::span(std::as_const(sample.grains)), first, limits),
+          broken_rule<D>(std::span(std::as_const(sample.contacts)), first, count, manifest.n_grains, limits)}) {
+        if (!broken.empty()) {
+            throw std::runtime_error(broken);
+        }
+    }
     return sample;
 }
 
@@ -91,7 +105,8 @@ void store_sample(const Communicator& comm, const std::filesystem::path& folder,
 }
 
 template <int D>
-SampleLookup<D> load_sample(const Communicator& comm, const std::filesystem::path& folder, const SampleOrigin& origin) {
+SampleLookup<D> load_sample(const Communicator& comm, const std::filesystem::path& folder, const SampleOrigin& origin,
+                            const RowLimits& limits) {
     const auto path = sample_path(folder, origin);
     const auto file = examine_stored(comm, path);
     if (!file.reason.empty()) {
@@ -102,12 +117,13 @@ SampleLookup<D> load_sample(const Communicator& comm, const std::filesystem::pat
     }
     StoredSample<D> sample;
     const auto reason = read_stored(
-        comm, path, [&](SlabReader& reader) { sample = read_sample<D>(comm, reader, origin, file.manifest); });
+        comm, path, [&](SlabReader& reader) { sample = read_sample<D>(comm, reader, origin, file.manifest, limits); });
     return reason.empty() ? SampleLookup<D>{std::move(sample), {}} : SampleLookup<D>{std::nullopt, reason};
 }
 
 template void store_sample<2>(const Communicator&, const std::filesystem::path&, const SampleOrigin&,
                               std::vector<GrainRow<2>>, std::vector<ContactRow<2>>, const nlohmann::ordered_json&);
-template SampleLookup<2> load_sample<2>(const Communicator&, const std::filesystem::path&, const SampleOrigin&);
+template SampleLookup<2> load_sample<2>(const Communicator&, const std::filesystem::path&, const SampleOrigin&,
+                                        const RowLimits&);
 
 } // namespace nappe

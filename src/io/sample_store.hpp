@@ -3,6 +3,7 @@
 // how long the file is and what its checksum is. A sample can always be made again, so anything doubtful is not used.
 
 #include "core/rows.hpp"
+#include "io/row_rules.hpp"
 #include "parallel/communicator.hpp"
 
 #include <nlohmann/json.hpp>
@@ -52,9 +53,10 @@ void store_sample(const Communicator& comm, const std::filesystem::path& folder,
                   const nlohmann::ordered_json& notes);
 
 /// The sample of this origin, bit for bit as it was stored, or why there is none: no file, no manifest, a file that is
-/// damaged or of something else. Collective over comm; all ranks get the same answer. Does not throw for what is on
-/// disk.
+/// damaged or of something else, rows that no computation may start from (io/row_rules.hpp). Collective over comm; all
+/// ranks get the same answer. Does not throw for what is on disk.
 template <int D>
-SampleLookup<D> load_sample(const Communicator& comm, const std::filesystem::path& folder, const SampleOrigin& origin);
+SampleLookup<D> load_sample(const Communicator& comm, const std::filesystem::path& folder, const SampleOrigin& origin,
+                            const RowLimits& limits = {});
 
 } // namespace nappe

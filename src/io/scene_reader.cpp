@@ -1,6 +1,7 @@
 #include "io/scene_reader.hpp"
 
 #include "core/error.hpp"
+#include "io/bounded_read.hpp"
 #include "io/scene_overrides.hpp"
 #include "io/scene_rules.hpp"
 #include "io/scene_sections.hpp"
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -44,11 +44,7 @@ std::string read_input_text(const std::string& path, std::string_view kind, std:
     }
     // What never ends (/dev/zero) must not be read to its end; in memory a tree of TOML is some thirty times its text.
     constexpr std::size_t most = std::size_t{64} << 20;
-    std::string text;
-    for (std::array<char, 1 << 16> piece{}; text.size() <= most && file;) {
-        file.read(piece.data(), piece.size());
-        text.append(piece.data(), static_cast<std::size_t>(file.gcount()));
-    }
+    auto text = read_at_most(file, most);
     if (file.bad()) {
         throw InputError(
             fmt::format("{}: must be a readable {} file, found an error while reading; check the disk", path, kind));

@@ -131,6 +131,19 @@ std::vector<ContactRow<D>> SlabReader::read_contacts(std::int64_t first, std::in
     if (!last_rank) {
         offsets.push_back(file_.read<std::int64_t>(offsets_path, first + count, 1).front());
     }
+    const auto stored = file_.rows("/contacts/lo");
+    std::int64_t before = first == 0 ? 0 : offsets.front();
+    for (const auto offset : offsets) {
+        if (offset < before || offset > stored) {
+            throw std::runtime_error(fmt::format("dataset {} must ascend from 0 to {}, found {} after {}", offsets_path,
+                                                 stored, offset, before));
+        }
+        before = offset;
+    }
+    if ((first == 0 && offsets.front() != 0) || (last_rank && offsets.back() != stored)) {
+        throw std::runtime_error(fmt::format("dataset {} must ascend from 0 to {}, found {} … {}", offsets_path, stored,
+                                             offsets.front(), offsets.back()));
+    }
     std::vector<ContactRow<D>> contacts(static_cast<std::size_t>(offsets.back() - offsets.front()));
     visit_contact_fields<D>(filling(*this, offsets.front(), contacts));
     return contacts;

@@ -1,7 +1,7 @@
 // main() of a fuzz target without libFuzzer: every file of the corpus, then so many mutants of them, drawn alike on every
 // machine. It knows nothing of coverage, so it finds little that is new; it keeps what was mended from coming back.
 // Usage: TARGET MUTANTS PATH…     a PATH is an input or a folder of inputs
-#include "fuzz_target.hpp"
+#include "fuzz/fuzz_target.hpp"
 
 #include <algorithm>
 #include <filesystem>

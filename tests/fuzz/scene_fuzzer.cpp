@@ -2,9 +2,9 @@
 // that a user can act on.
 //
 // An input is the text of a scene; its comments "#set KEY=VALUE" are also taken for overrides.
-#include "fuzz_target.hpp"
-#include "message_rules.hpp"
-#include "scene_soundness.hpp"
+#include "fuzz/fuzz_target.hpp"
+#include "fuzz/message_rules.hpp"
+#include "fuzz/scene_soundness.hpp"
 
 #include "core/deposit.hpp"
 #include "core/error.hpp"

@@ -247,7 +247,8 @@ TEST(scene_reader, endless_input_is_refused_with_its_number) {
     expect_part(error_of("x" + repeated(".x", many) + " = 1"), "bad.toml:1: must have at most 32 dots in a key");
     expect_part(error_of("x = " + repeated("[", many)), "bad.toml:1: must be valid TOML, found: ");
     expect_part(error_of("x = " + repeated("{ x = ", many)), "bad.toml:1: must be valid TOML, found: ");
-    expect_part(error_of(repeated("[[walls]]\n", many)), "walls: must hold at most 1000 tables, found an array of 300000");
+    expect_part(error_of(repeated("[[walls]]\n", many)),
+                "walls: must hold at most 1000 tables, found an array of 300000");
     expect_part(error_of(repeated("[[grains]]\nname = \"a\"\n", many)), "grains: must hold at most 100000 tables");
     expect_part(error_of(repeated("[[grains]]\nname = \"a\"\n", 90000)), "… and ");
     expect_part(error_of(std::string(many, 'k') + " = 1"), "kkk…: unknown key; must be one of those of the top level");
