@@ -2,6 +2,8 @@
 
 #include "core/error.hpp"
 #include "io/id_blocks.hpp"
+#include "io/row_rules.hpp"
+#include "io/scene_reader.hpp"
 #include "io/stored_rows.hpp"
 #include "io/summary.hpp"
 
@@ -57,6 +59,11 @@ std::vector<Row> on_root_only(const Communicator& comm, const std::vector<Row>& 
     return comm.is_root() ? rows : std::vector<Row>();
 }
 
+std::string version_of(const nlohmann::ordered_json& notes) {
+    const auto at = notes.find("version");
+    return at != notes.end() && at->is_string() ? at->get<std::string>() : "?";
+}
+
 std::string text_of(SnapshotClock clock) {
     nlohmann::ordered_json json;
     clock.for_each([&](const char* name, auto& value) { json[name] = value; });
@@ -64,9 +71,16 @@ std::string text_of(SnapshotClock clock) {
 }
 
 SnapshotClock clock_of(const std::string& text) {
-    const auto json = nlohmann::ordered_json::parse(text);
+    const auto json = parse_shallow(text);
     SnapshotClock clock;
-    clock.for_each([&](const char* name, auto& value) { json.at(name).get_to(value); });
+    clock.for_each([&](const char* name, auto& value) {
+        const auto at = json.is_object() ? json.find(name) : json.end();
+        using T = std::remove_cvref_t<decltype(value)>;
+        if (at == json.end() || !(std::is_integral_v<T> ? at->is_number_integer() : at->is_number())) {
+            throw std::runtime_error(fmt::format("{}: must give {} as a number", clock_path, name));
+        }
+        at->get_to(value);
+    });
     return clock;
 }
 
@@ -77,7 +91,7 @@ std::vector<Row> read_whole(const Communicator& comm, SlabReader& reader, const 
     if (!reader.file().has(group)) {
         return {};
     }
-    const auto n = reader.file().rows(counted);
+    const auto n = reader.file().stored_rows(counted);
     std::vector<Row> rows(static_cast<std::size_t>(n));
     visit([&](const char* path, int columns, auto field) {
         using T = FieldType<Row, decltype(field)>;
@@ -97,15 +111,23 @@ Checkpoint<D> read_checkpoint(const Communicator& comm, SlabReader& reader, cons
     Checkpoint<D> checkpoint;
     checkpoint.key = manifest.key;
     checkpoint.notes = manifest.notes;
-    checkpoint.ranks = manifest.notes.at("ranks").get<std::int64_t>();
+    const auto ranks = manifest.notes.find("ranks");
+    if (ranks == manifest.notes.end() || !ranks->is_number_integer()) {
+        throw std::runtime_error("the manifest's notes must give the number of ranks");
+    }
+    ranks->get_to(checkpoint.ranks);
     checkpoint.scene = reader.read_text(comm, scene_path);
-    checkpoint.course = nlohmann::ordered_json::parse(reader.read_text(comm, course_path));
+    checkpoint.course = parse_shallow(reader.read_text(comm, course_path));
+    if (!checkpoint.course.is_object()) {
+        throw std::runtime_error(fmt::format("{}: must be a table, found none", course_path));
+    }
     auto& snapshot = checkpoint.snapshot;
     snapshot.clock = clock_of(reader.read_text(comm, clock_path));
 
     const IdBlocks blocks{manifest.n_grains, comm.size()};
     const auto first = blocks.first(comm.rank());
     const auto count = blocks.count(comm.rank());
+    reader.expect_rows(manifest);
     snapshot.grains.resize(static_cast<std::size_t>(count));
     visit_grain_fields<D>(filling(reader, first, snapshot.grains));
     snapshot.impulses = reader.read_contacts<D>(first, count, comm.rank() == comm.size() - 1);
@@ -114,6 +136,10 @@ Checkpoint<D> read_checkpoint(const Communicator& comm, SlabReader& reader, cons
     snapshot.owners =
         read_whole<TileOwner>(comm, reader, "/tiles", "/tiles/key", [](auto visit) { visit_owner_fields(visit); });
     snapshot.sums = reader.read_shared<std::int64_t>(comm, sums_path, 1, reader.file().rows(sums_path));
+    const auto scene = parse_scene(checkpoint.scene, "its scene");
+    if (const auto broken = broken_rule<D>(snapshot, scene, first, manifest.n_grains); !broken.empty()) {
+        throw std::runtime_error(broken);
+    }
     return checkpoint;
 }
 
@@ -215,8 +241,8 @@ CheckpointLookup<D> load_newest_checkpoint(const Communicator& comm, const std::
             reason =
                 fmt::format("{}: is of nappe {}, physics {}, found by nappe {}, physics {}: it would go on to other "
                             "results; go on with the program that wrote it",
-                            path.string(), file.manifest.notes.value("version", std::string("?")),
-                            file.manifest.physics_revision, program_version(), physics_revision);
+                            path.string(), version_of(file.manifest.notes), file.manifest.physics_revision,
+                            program_version(), physics_revision);
         }
         if (reason.empty()) {
             Checkpoint<D> checkpoint;

@@ -61,13 +61,8 @@ void hdf5_check(std::int64_t status, const std::string& what) {
     }
 }
 
-Hdf5Silence::Hdf5Silence() {
-    H5Eget_auto2(H5E_DEFAULT, &printer_, &printer_data_);
+void silence_hdf5() {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-
-Hdf5Silence::~Hdf5Silence() {
-    H5Eset_auto2(H5E_DEFAULT, printer_, printer_data_);
 }
 
 } // namespace nappe

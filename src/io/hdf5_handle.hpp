@@ -42,17 +42,9 @@ private:
 /// Throws Hdf5Failure(what) if an HDF5 call returned a negative status.
 void hdf5_check(std::int64_t status, const std::string& what);
 
-/// While it lives, HDF5 prints nothing by itself.
-class Hdf5Silence {
-public:
-    Hdf5Silence();
-    ~Hdf5Silence();
-    Hdf5Silence(const Hdf5Silence&) = delete;
-    Hdf5Silence& operator=(const Hdf5Silence&) = delete;
-
-private:
-    int (*printer_)(std::int64_t, void*) = nullptr;
-    void* printer_data_ = nullptr;
-};
+/// HDF5 prints nothing by itself from now on: its errors are read where they occur, and said in our words. Local; whoever
+/// opens or makes a file calls it. (It once was an object that silenced while it lived: of two whose lives overlap, the
+/// first to go would have let HDF5 speak again.)
+void silence_hdf5();
 
 } // namespace nappe

@@ -38,6 +38,14 @@ std::int64_t Hdf5Reader::rows(const std::string& dataset) const {
     return dataset_rows(file_, dataset);
 }
 
+std::int64_t Hdf5Reader::stored_rows(const std::string& dataset) const {
+    const auto n = rows(dataset);
+    if (n < 0 || static_cast<std::uint64_t>(n) > stored_bytes(file_, dataset)) {
+        throw Hdf5Failure("dataset " + dataset + " claims more rows than are stored");
+    }
+    return n;
+}
+
 std::vector<std::byte> Hdf5Reader::read_bytes(const std::string& dataset, ElementType type, int columns,
                                               std::int64_t first, std::int64_t n_rows) const {
     return read_slab(file_, dataset, type, columns, first, n_rows);

@@ -18,6 +18,8 @@ public:
     /// Whether the file has a dataset or group of this path; the groups above it must be there.
     bool has(const std::string& path) const;
     std::int64_t rows(const std::string& dataset) const;
+    /// The same, but refused if the file does not hold a byte for each at least: for whoever makes room on its word.
+    std::int64_t stored_rows(const std::string& dataset) const;
 
     /// Rows [first, first + rows), by rows; the dataset must have T's type and this many columns.
     template <class T>
@@ -45,7 +47,6 @@ public:
     std::string text(const std::string& object, const std::string& attribute) const;
 
 private:
-    Hdf5Silence silence_;
     Hdf5Handle file_;
 };
 

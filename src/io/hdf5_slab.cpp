@@ -130,10 +130,15 @@ std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path
 }
 
 Hdf5Handle open_to_read(const std::string& path) {
+    silence_hdf5();
     const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "no property list");
     // Locks fail on some cluster file systems, and nobody writes a file once it has its final name.
     hdf5_check(H5Pset_file_locking(access.get(), false, true), "file locking can not be set");
     return Hdf5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, "the file can not be opened");
+}
+
+std::uint64_t stored_bytes(const Hdf5Handle& file, const std::string& path) {
+    return H5Dget_storage_size(open_dataset(file, path).get());
 }
 
 std::int64_t dataset_rows(const Hdf5Handle& file, const std::string& path) {

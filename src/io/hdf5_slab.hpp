@@ -21,6 +21,9 @@ std::vector<std::byte> read_slab(const Hdf5Handle& file, const std::string& path
 /// Opens for reading through the system's calls alone: needs no other rank, takes no lock. Throws Hdf5Failure.
 Hdf5Handle open_to_read(const std::string& path);
 
+/// Bytes of the file that a dataset takes. Throws Hdf5Failure.
+std::uint64_t stored_bytes(const Hdf5Handle& file, const std::string& path);
+
 /// Number of rows of a dataset. Throws Hdf5Failure.
 std::int64_t dataset_rows(const Hdf5Handle& file, const std::string& path);
 

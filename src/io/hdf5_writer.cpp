@@ -96,7 +96,7 @@ void verify(const std::string& path, const Hdf5Content& content) {
 } // namespace
 
 void write_hdf5(const Communicator& comm, const std::filesystem::path& path, const Hdf5Content& content) {
-    const Hdf5Silence silence;
+    silence_hdf5();
     std::string temporary = temporary_name(path).string();
     comm.broadcast(temporary);
     std::string error = prepare(comm, temporary, content);

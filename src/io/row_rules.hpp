@@ -5,6 +5,7 @@
 
 #include "core/rows.hpp"
 #include "core/scene.hpp"
+#include "core/snapshot.hpp"
 
 #include <limits>
 #include <span>
@@ -17,6 +18,7 @@ struct RowLimits {
     std::int32_t n_materials = std::numeric_limits<std::int32_t>::max();
     double smallest_radius = 0;                                 ///< [m]
     double largest_radius = std::numeric_limits<double>::max(); ///< [m]; tiles are as wide as it needs
+    double tile_side = 0; ///< [m]; places are within the grid of such tiles; 0: any
     std::int64_t n_wall_bodies =
         std::numeric_limits<std::int64_t>::max() - wall_key; ///< sided features (core/walls.hpp)
 };
@@ -35,5 +37,10 @@ std::string broken_rule(std::span<const GrainRow<D>> grains, GlobalId first, con
 template <int D>
 std::string broken_rule(std::span<const ContactRow<D>> contacts, GlobalId first, std::int64_t count,
                         std::int64_t n_grains, const RowLimits& limits);
+
+/// Likewise of a snapshot, whose grains are a block of ids, for this scene: grains (also where they stood at the last
+/// rebuild) and contacts as above; as many walls as the scene has, at numbers; a stage that the scene has; counts >= 0.
+template <int D>
+std::string broken_rule(const Snapshot<D>& snapshot, const Scene<D>& scene, GlobalId first, std::int64_t n_grains);
 
 } // namespace nappe

@@ -49,13 +49,7 @@ StoredSample<D> read_sample(const Communicator& comm, SlabReader& reader, const 
     const IdBlocks blocks{manifest.n_grains, comm.size()};
     const auto first = blocks.first(comm.rank());
     const auto count = blocks.count(comm.rank());
-    for (const auto& [path, rows] :
-         {std::pair("/grains/id", manifest.n_grains), {"/contacts/lo", manifest.n_contacts}}) {
-        if (file.rows(path) != rows) {
-            throw std::runtime_error(
-                fmt::format("dataset {} has {} rows, the manifest says {}", path, file.rows(path), rows));
-        }
-    }
+    reader.expect_rows(manifest);
 
     StoredSample<D> sample;
     sample.n_grains = manifest.n_grains;

@@ -46,8 +46,9 @@ std::int64_t count_at(const nlohmann::ordered_json& json, const char* key) {
     return at->get<std::int64_t>();
 }
 
-/// The tree of a text, or a discarded one if it is no JSON or nested too deep. Local.
-nlohmann::ordered_json parse_json(const std::string& text) {
+} // namespace
+
+nlohmann::ordered_json parse_shallow(const std::string& text) {
     bool shallow = true;
     const auto keep = [&](int depth, nlohmann::ordered_json::parse_event_t, nlohmann::ordered_json&) {
         shallow = shallow && depth <= deepest;
@@ -56,8 +57,6 @@ nlohmann::ordered_json parse_json(const std::string& text) {
     auto json = nlohmann::ordered_json::parse(text, keep, false);
     return shallow ? json : nlohmann::ordered_json(nlohmann::ordered_json::value_t::discarded);
 }
-
-} // namespace
 
 std::string format_manifest(const StoredManifest& manifest) {
     nlohmann::ordered_json json;
@@ -74,7 +73,7 @@ std::string format_manifest(const StoredManifest& manifest) {
 }
 
 StoredManifest parse_manifest(const std::string& text) {
-    auto json = parse_json(text);
+    auto json = parse_shallow(text);
     std::string stored;
     if (json.is_object() && json.contains("manifest_checksum")) {
         stored = json["manifest_checksum"].dump();
@@ -93,8 +92,8 @@ StoredManifest parse_manifest(const std::string& text) {
     manifest.n_contacts = count_at(json, "n_contacts");
     manifest.file_bytes = static_cast<std::uint64_t>(count_at(json, "file_bytes"));
     manifest.file_checksum = hex_at(json, "file_checksum");
-    if (!json.contains("notes")) {
-        wrong("notes", "there");
+    if (!json.contains("notes") || !(json["notes"].is_object() || json["notes"].is_null())) {
+        wrong("notes", "a table");
     }
     manifest.notes = json["notes"];
     // An id takes 8 bytes: whoever makes room for that many rows makes no more than a few times the file's length.

@@ -31,6 +31,9 @@ std::string format_manifest(const StoredManifest& manifest);
 /// Throws std::runtime_error with the reason if the text is not a whole manifest.
 StoredManifest parse_manifest(const std::string& text);
 
+/// The tree of a text, or a discarded one if it is no JSON or nested deeper than anything we write.
+nlohmann::ordered_json parse_shallow(const std::string& text);
+
 /// FOLDER/NAME.hdf has its manifest in FOLDER/NAME.json.
 std::filesystem::path manifest_path(std::filesystem::path file);
 

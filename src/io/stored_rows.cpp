@@ -117,6 +117,15 @@ void SlabReader::remember(const std::string& path, std::span<const std::byte> by
     checks_.push_back({path, file_.bits(path, "checksum"), row_checksum(bytes, row_bytes, first)});
 }
 
+void SlabReader::expect_rows(const StoredManifest& manifest) const {
+    for (const auto& [path, rows] :
+         {std::pair("/grains/id", manifest.n_grains), {"/contacts/lo", manifest.n_contacts}}) {
+        if (const auto found = file_.stored_rows(path); found != rows) {
+            throw Hdf5Failure(fmt::format("dataset {} has {} rows, the manifest says {}", path, found, rows));
+        }
+    }
+}
+
 std::string SlabReader::read_text(const Communicator& comm, const char* path) {
     if (!file_.has(path)) {
         return {};
@@ -131,7 +140,7 @@ std::vector<ContactRow<D>> SlabReader::read_contacts(std::int64_t first, std::in
     if (!last_rank) {
         offsets.push_back(file_.read<std::int64_t>(offsets_path, first + count, 1).front());
     }
-    const auto stored = file_.rows("/contacts/lo");
+    const auto stored = file_.stored_rows("/contacts/lo");
     std::int64_t before = first == 0 ? 0 : offsets.front();
     for (const auto offset : offsets) {
         if (offset < before || offset > stored) {

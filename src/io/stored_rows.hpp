@@ -93,6 +93,9 @@ public:
     /// A text of `add_text`: all of it on every rank, checked by the root.
     std::string read_text(const Communicator& comm, const char* path);
 
+    /// Throws Hdf5Failure unless there are as many grains and contacts as the manifest says: before room is made for them.
+    void expect_rows(const StoredManifest& manifest) const;
+
     /// The contacts of the grains [first, first + count), by the table of `add_offsets`.
     template <int D>
     std::vector<ContactRow<D>> read_contacts(std::int64_t first, std::int64_t count, bool last_rank);

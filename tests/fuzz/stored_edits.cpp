@@ -5,12 +5,9 @@
 #include "io/checksum.hpp"
 #include "io/hdf5_handle.hpp"
 
-#include <hdf5.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -21,18 +18,6 @@ namespace nappe::fuzz {
 namespace {
 
 using Handle = Hdf5Handle;
-
-/// A dataset in memory, of any type and shape.
-struct Table {
-    hid_t type = -1;
-    std::vector<hsize_t> size;
-    std::vector<std::byte> bytes;
-    bool hollow = false;         ///< stored without its bytes: chunks that were never written
-    bool wrong_checksum = false; ///< and a checksum of something else
-
-    std::size_t element() const { return H5Tget_size(type); }
-    hsize_t elements() const { return std::accumulate(size.begin(), size.end(), hsize_t{1}, std::multiplies<>()); }
-};
 
 std::vector<hid_t> types() {
     return {H5T_NATIVE_DOUBLE, H5T_NATIVE_INT64, H5T_NATIVE_INT32, H5T_NATIVE_UINT64, H5T_NATIVE_UINT8,
@@ -62,6 +47,11 @@ Table read_table(const Handle& file, const std::string& path) {
     }
     table.size.resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space.get())));
     H5Sget_simple_extent_dims(space.get(), table.size.data(), nullptr);
+    constexpr hsize_t most = 1 << 16; // more is claimed only where an edit before made it so
+    if (table.type < 0 || H5Dget_storage_size(dataset.get()) > most || table.elements() > most) {
+        table.type = -1;
+        return table;
+    }
     table.bytes.resize(table.elements() * table.element());
     H5Dread(dataset.get(), table.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, table.bytes.data());
     return table;
@@ -196,8 +186,20 @@ void edit_attribute(const Handle& file, const std::string& object, ByteSource& b
 
 } // namespace
 
+hsize_t Table::elements() const {
+    return std::accumulate(size.begin(), size.end(), hsize_t{1}, std::multiplies<>());
+}
+
+void change_table(const std::filesystem::path& path, const std::string& dataset,
+                  const std::function<void(Table&)>& change) {
+    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose, "the file just made opens");
+    auto table = read_table(file, dataset);
+    change(table);
+    write_table(file, dataset, table);
+}
+
 void edit_stored(const std::filesystem::path& path, ByteSource& bytes) {
-    const Hdf5Silence silence;
+    silence_hdf5();
     const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose, "the sample just made opens");
     for (int k = 0; k < 8 && !bytes.empty(); ++k) {
         const auto paths = datasets_of(file);
@@ -212,8 +214,8 @@ void edit_stored(const std::filesystem::path& path, ByteSource& bytes) {
             continue;
         }
         auto table = read_table(file, chosen);
-        if (table.type < 0 || table.elements() > 4096) {
-            continue; // made so by an edit before
+        if (table.type < 0) {
+            continue;
         }
         if (kind == 2) {
             table.type = types()[bytes.below(types().size())];

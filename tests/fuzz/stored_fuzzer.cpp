@@ -1,14 +1,17 @@
-// What stands between a stored file and a computation: load_sample either returns a sample that a computation may start
-// from, or says why not. A file that is not what its manifest says is refused before HDF5 opens it.
+// What stands between a stored file and a computation: load_sample and load_newest_checkpoint either return what a
+// computation may start from, or say why not. A file that is not what its manifest says is refused before HDF5 opens it.
 //
-// An input: how to spoil a sound sample (first byte modulo 4), its number of grains, and where to spoil it.
+// An input: how to spoil a sound file (first byte modulo 4), sample or checkpoint, its number of grains, where to spoil it.
 // Faults inside HDF5 behind a valid checksum are out of scope: HDF5 1.10.8 has them.
 #include "fuzz/fuzz_target.hpp"
 #include "fuzz/message_rules.hpp"
 #include "fuzz/stored_edits.hpp"
 
+#include "io/checkpoint_store.hpp"
 #include "io/checksum.hpp"
+#include "io/row_rules.hpp"
 #include "io/sample_store.hpp"
+#include "io/scene_reader.hpp"
 #include "io/stored_manifest.hpp"
 #include "io/summary.hpp"
 #include "parallel/communicator.hpp"
@@ -31,10 +34,21 @@ using fuzz::broken;
 using fuzz::ByteSource;
 
 const SampleOrigin origin{3, "radius = 0.42 … 0.57\n"};
-const RowLimits limits{2, 0.42, 0.57, 40};
 
-/// A sound sample as it lies on disk.
+/// 18 faces of walls, two materials, and the radii of made_up_grain.
+constexpr const char* scene_text = R"(
+materials.rock.density = 2800
+laws = [{ between = ["rock", "rock"], type = "frictional", friction = 0 },
+        { between = ["rock", "wall"], type = "frictional", friction = 0 }]
+sample = { material = "rock", radius = { law = "uniform", min = 0.42, max = 0.57 }, profile = [[0,0],[9,0],[9,9],[0,9]] }
+walls = [{ name = "bowl", points = [[-9, 9], [-9, 0], [-9, -9], [20, -9], [20, 9]] }]
+stages = [{ name = "settle", until = {} }, { name = "push", duration = 1 }]
+solver.h = 0.1)";
+constexpr GlobalId n_faces = 18;
+
+/// A sound file as it lies on disk.
 struct Stored {
+    std::filesystem::path path;
     std::string file;
     std::string manifest;
 };
@@ -50,7 +64,8 @@ struct World {
     MpiSession mpi;
     Communicator comm{MPI_COMM_SELF};
     std::filesystem::path folder;
-    std::map<GlobalId, Stored> sound; ///< by number of grains
+    Scene<2> scene = parse_scene(scene_text, "scene");
+    std::map<std::pair<bool, GlobalId>, Stored> sound; ///< by whether it is a checkpoint, and number of grains
 };
 std::unique_ptr<World> world;
 
@@ -63,9 +78,39 @@ std::string read(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-const Stored& sound_sample(GlobalId n) {
-    auto& stored = world->sound[n];
-    if (stored.file.empty()) {
+Checkpoint<2> made_up_checkpoint(GlobalId n) {
+    Checkpoint<2> checkpoint{.serial = 1,
+                             .key = 7,
+                             .ranks = 1,
+                             .scene = scene_text,
+                             .snapshot = {},
+                             .course = {{"cells", nlohmann::ordered_json::array()}},
+                             .notes = {{"stage", "push"}, {"step", 3}, {"time", 0.3}}};
+    auto& snapshot = checkpoint.snapshot;
+    snapshot.clock.stage = 1;
+    snapshot.clock.impulse_h = 0.1;
+    for (GlobalId id = 0; id < n; ++id) {
+        const auto g = test::made_up_grain(id);
+        snapshot.grains.push_back(
+            {g.id, g.x, g.x, g.v, g.spin, g.rotation, g.radius, g.mass, 0.1, g.cells, g.material, g.layer});
+        const auto rows = test::made_up_contacts(id, n);
+        snapshot.impulses.insert(snapshot.impulses.end(), rows.begin(), rows.end());
+    }
+    snapshot.walls.resize(1);
+    snapshot.sums.assign(12, 1);
+    snapshot.owners = {{5, 0}, {6, 0}};
+    return checkpoint;
+}
+
+const Stored& sound_file(bool checkpoint, GlobalId n) {
+    auto& stored = world->sound[{checkpoint, n}];
+    if (!stored.file.empty()) {
+        return stored;
+    }
+    if (checkpoint) {
+        store_checkpoint(world->comm, world->folder, made_up_checkpoint(n));
+        stored.path = checkpoint_path(world->folder, 1);
+    } else {
         std::vector<GrainRow<2>> grains;
         std::vector<ContactRow<2>> contacts;
         for (GlobalId id = 0; id < n; ++id) {
@@ -74,9 +119,10 @@ const Stored& sound_sample(GlobalId n) {
             contacts.insert(contacts.end(), rows.begin(), rows.end());
         }
         store_sample<2>(world->comm, world->folder, origin, grains, contacts, {{"settle_steps", 12}});
-        const auto path = sample_path(world->folder, origin);
-        stored = {read(path), read(manifest_path(path))};
+        stored.path = sample_path(world->folder, origin);
     }
+    stored.file = read(stored.path);
+    stored.manifest = read(manifest_path(stored.path));
     return stored;
 }
 
@@ -145,29 +191,58 @@ bool are_numbers(std::initializer_list<double> values) {
     return std::all_of(values.begin(), values.end(), [](double a) { return std::isfinite(a); });
 }
 
-/// Said once more, and in other words than io/row_rules.cpp.
-void check_sample(const StoredSample<2>& sample) {
-    const auto require = [](bool holds, const char* what) {
-        if (!holds) {
-            broken("a sample is sound", what);
-        }
-    };
-    const auto n = static_cast<GlobalId>(sample.grains.size());
-    require(sample.n_grains == n && sample.n_contacts == static_cast<std::int64_t>(sample.contacts.size()), "counts");
-    for (GlobalId i = 0; i < n; ++i) {
-        const auto& g = sample.grains[static_cast<std::size_t>(i)];
-        require(g.id == i, "ids 0 … n-1, once each");
-        require(are_numbers({g.x[0], g.x[1], g.v[0], g.v[1], g.spin[0], g.rotation[0], g.mass}), "numbers");
-        require(g.mass > 0 && g.radius >= 0.42 && g.radius <= 0.57 && g.material >= 0 && g.material < 2, "ranges");
+void require(bool holds, const char* what) {
+    if (!holds) {
+        broken("what is taken from a file is sound", what);
     }
+}
+
+// The rules said once more, in other words than io/row_rules.cpp.
+
+template <class Row>
+void check_grain(const Row& g, GlobalId id) {
+    require(g.id == id, "ids 0 … n-1, once each");
+    require(are_numbers({g.x[0], g.x[1], g.v[0], g.v[1], g.rotation[0], g.mass}), "numbers");
+    require(g.mass > 0 && g.radius > 0.4199 && g.radius < 0.5701 && g.material >= 0 && g.material < 2, "ranges");
+}
+
+void check_contacts(const std::vector<ContactRow<2>>& contacts, GlobalId n) {
     std::set<std::pair<GlobalId, GlobalId>> pairs;
-    for (const auto& c : sample.contacts) {
-        require(c.lo >= 0 && c.lo < n && c.hi > c.lo && (c.hi < n || (c.hi >= wall_key && c.hi < wall_key + 40)),
+    for (const auto& c : contacts) {
+        require(c.lo >= 0 && c.lo < n && c.hi > c.lo && (c.hi < n || (c.hi >= wall_key && c.hi < wall_key + n_faces)),
                 "partners");
         require(pairs.empty() || *pairs.rbegin() < std::pair(c.lo, c.hi), "order");
         require(are_numbers({c.r_n, c.r_t[0]}), "impulses");
         pairs.emplace(c.lo, c.hi);
     }
+}
+
+void check_sample(const StoredSample<2>& sample) {
+    const auto n = static_cast<GlobalId>(sample.grains.size());
+    require(sample.n_grains == n && sample.n_contacts == static_cast<std::int64_t>(sample.contacts.size()), "counts");
+    for (GlobalId i = 0; i < n; ++i) {
+        const auto& g = sample.grains[static_cast<std::size_t>(i)];
+        check_grain(g, i);
+        require(are_numbers({g.spin[0]}), "spin");
+    }
+    check_contacts(sample.contacts, n);
+}
+
+void check_checkpoint(const Checkpoint<2>& checkpoint) {
+    const auto& snapshot = checkpoint.snapshot;
+    const auto n = static_cast<GlobalId>(snapshot.grains.size());
+    for (GlobalId i = 0; i < n; ++i) {
+        const auto& g = snapshot.grains[static_cast<std::size_t>(i)];
+        check_grain(g, i);
+        require(are_numbers({g.x_ref[0], g.x_ref[1], g.s[0], g.margin}), "numbers of the last rebuild");
+    }
+    check_contacts(snapshot.impulses, n);
+    const auto scene = parse_scene(checkpoint.scene, "stored");
+    require(snapshot.walls.size() == scene.walls.size(), "walls of the scene");
+    require(snapshot.clock.stage >= 0 && snapshot.clock.stage < static_cast<std::int64_t>(scene.stages.size()),
+            "stage");
+    require(snapshot.clock.steps >= 0 && are_numbers({snapshot.clock.impulse_h}), "clock");
+    require(checkpoint.course.is_object(), "course");
 }
 
 void check_reason(const std::string& reason, const std::string& written) {
@@ -186,9 +261,11 @@ int LLVMFuzzerInitialize(int* argc, char*** argv) {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     ByteSource bytes({data, size});
-    const auto way = bytes.below(4);
-    const auto& sound = sound_sample(static_cast<GlobalId>(bytes.below(9)));
-    const auto path = sample_path(world->folder, origin);
+    const auto first = bytes.next();
+    const auto way = first % 4;
+    const bool checkpoint = first / 4 % 2 == 1;
+    const auto& sound = sound_file(checkpoint, static_cast<GlobalId>(bytes.below(9)));
+    const auto& path = sound.path;
     std::string file = sound.file;
     std::string manifest = sound.manifest;
     if (way == 1) {
@@ -207,19 +284,33 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     write(manifest_path(path), manifest);
 
-    const auto found = load_sample<2>(world->comm, world->folder, origin, limits);
-    if (!found.sample) {
-        check_reason(found.reason, manifest);
+    bool taken = false;
+    std::string reason;
+    if (checkpoint) {
+        const auto found = load_newest_checkpoint<2>(world->comm, world->folder);
+        taken = found.checkpoint.has_value();
+        reason = taken ? "" : found.reasons.at(0);
+        if (taken) {
+            check_checkpoint(*found.checkpoint);
+        }
     } else {
-        check_sample(*found.sample);
+        const auto found = load_sample<2>(world->comm, world->folder, origin, row_limits(world->scene));
+        taken = found.sample.has_value();
+        reason = found.reason;
+        if (taken) {
+            check_sample(*found.sample);
+        }
     }
-    if (way == 1 && file != sound.file &&
-        (found.sample || (found.reason.find(" is damaged") == std::string::npos &&
-                          found.reason.find(" bytes instead of ") == std::string::npos))) {
-        broken("a damaged file is refused before HDF5 opens it", found.reason);
+    if (!taken) {
+        check_reason(reason, manifest);
     }
-    if (!edited && file == sound.file && manifest == sound.manifest && !found.sample) {
-        broken("a sound sample is taken", found.reason);
+    const bool said =
+        reason.find(" is damaged") != std::string::npos || reason.find(" bytes instead of ") != std::string::npos;
+    if (way == 1 && file != sound.file && !said) {
+        broken("a damaged file is refused before HDF5 opens it", reason);
+    }
+    if (!edited && file == sound.file && manifest == sound.manifest && !taken) {
+        broken("a sound file is taken", reason);
     }
     return 0;
 }
