@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sys/resource.h>
+#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -39,10 +41,25 @@ std::vector<Bytes> corpus_in(const std::vector<std::filesystem::path>& places) {
     return corpus;
 }
 
+/// What one input may take: more than tools/fuzz allows, since this also runs beside other work. A sanitizer's own
+/// bookkeeping is in no relation to that.
+constexpr unsigned most_seconds = 60;
+constexpr std::size_t most_bytes = std::size_t{512} << 20;
+
+void bound_memory() {
+#ifndef __SANITIZE_ADDRESS__
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlimit limit{pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + most_bytes, RLIM_INFINITY};
+    ::setrlimit(RLIMIT_AS, &limit);
+#endif
+}
+
 /// The input under way, for whoever has to find out what ended the process.
 void run(const Bytes& input) {
     std::ofstream("fuzz-input", std::ios::binary)
         .write(reinterpret_cast<const char*>(input.data()), static_cast<std::streamsize>(input.size()));
+    ::alarm(most_seconds); // a hang ends as SIGALRM
     LLVMFuzzerTestOneInput(input.data(), input.size());
 }
 
@@ -78,6 +95,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     LLVMFuzzerInitialize(&argc, &argv);
+    bound_memory();
     const auto mutants = std::strtoul(argv[1], nullptr, 10);
     const auto corpus = corpus_in({argv + 2, argv + argc});
     for (const auto& input : corpus) {

@@ -4,6 +4,7 @@
 #include "fuzz/stored_edits.hpp"
 #include "io/checkpoint_store.hpp"
 #include "io/checksum.hpp"
+#include "io/hdf5_reader.hpp"
 #include "io/row_rules.hpp"
 #include "io/sample_store.hpp"
 #include "io/scene_reader.hpp"
@@ -16,6 +17,7 @@
 
 #include <fstream>
 #include <limits>
+#include <memory>
 
 namespace nappe {
 namespace {
