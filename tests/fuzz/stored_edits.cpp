@@ -184,6 +184,35 @@ void edit_attribute(const Handle& file, const std::string& object, ByteSource& b
     H5Awrite(attribute.get(), types()[kind], values.data());
 }
 
+void edit_once(const Handle& file, ByteSource& bytes) {
+    const auto paths = datasets_of(file);
+    const auto kind = bytes.below(8);
+    if (paths.empty() || kind == 0) {
+        edit_attribute(file, paths.empty() || bytes.below(2) == 0 ? "/" : paths[bytes.below(paths.size())], bytes);
+        return;
+    }
+    const auto& chosen = paths[bytes.below(paths.size())];
+    if (kind == 1) {
+        H5Ldelete(file.get(), chosen.c_str(), H5P_DEFAULT);
+        return;
+    }
+    auto table = read_table(file, chosen);
+    if (table.type < 0) {
+        return;
+    }
+    if (kind == 2) {
+        table.type = types()[bytes.below(types().size())];
+        refill(table);
+    } else if (kind == 3) {
+        reshape(table, bytes);
+    } else if (kind == 4) {
+        table.wrong_checksum = true;
+    } else {
+        set_element(table, bytes);
+    }
+    write_table(file, chosen, table);
+}
+
 } // namespace
 
 hsize_t Table::elements() const {
@@ -200,34 +229,13 @@ void change_table(const std::filesystem::path& path, const std::string& dataset,
 
 void edit_stored(const std::filesystem::path& path, ByteSource& bytes) {
     silence_hdf5();
-    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose, "the sample just made opens");
+    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose, "the file just made opens");
     for (int k = 0; k < 8 && !bytes.empty(); ++k) {
-        const auto paths = datasets_of(file);
-        const auto kind = bytes.below(8);
-        if (paths.empty() || kind == 0) {
-            edit_attribute(file, paths.empty() || bytes.below(2) == 0 ? "/" : paths[bytes.below(paths.size())], bytes);
-            continue;
+        try {
+            edit_once(file, bytes);
+        } catch (const Hdf5Failure&) {
+            // An edit that HDF5 refuses, of 33 dimensions for example, leaves a file to look at all the same.
         }
-        const auto& chosen = paths[bytes.below(paths.size())];
-        if (kind == 1) {
-            H5Ldelete(file.get(), chosen.c_str(), H5P_DEFAULT);
-            continue;
-        }
-        auto table = read_table(file, chosen);
-        if (table.type < 0) {
-            continue;
-        }
-        if (kind == 2) {
-            table.type = types()[bytes.below(types().size())];
-            refill(table);
-        } else if (kind == 3) {
-            reshape(table, bytes);
-        } else if (kind == 4) {
-            table.wrong_checksum = true;
-        } else {
-            set_element(table, bytes);
-        }
-        write_table(file, chosen, table);
     }
 }
 

@@ -254,6 +254,7 @@ void check_reason(const std::string& reason, const std::string& written) {
 } // namespace
 
 int LLVMFuzzerInitialize(int* argc, char*** argv) {
+    ::setenv("OMPI_MCA_opal_signal", "", 1); // signals are libFuzzer's, which keeps the input that caused one
     world = std::make_unique<World>(*argc, *argv);
     std::atexit([] { world.reset(); });
     return 0;
