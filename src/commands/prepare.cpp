@@ -1,5 +1,6 @@
 #include "commands/prepare.hpp"
 
+#include "commands/watch_report.hpp"
 #include "core/error.hpp"
 #include "core/initial_grains.hpp"
 #include "io/stored_manifest.hpp"
@@ -69,6 +70,7 @@ void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progre
     for (;;) {
         const bool look = (simulation.stage_steps() + 1) % settle_check_every == 0;
         const auto agreed = simulation.step(checkpointer.wishes(), look);
+        show_watch(simulation, progress);
         progress.update(simulation.stage_steps(), simulation.time());
         if (look && is_settled(simulation, wanted)) { // before any checkpoint: a restart does not look again
             break;

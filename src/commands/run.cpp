@@ -6,6 +6,7 @@
 #include "commands/restart_rules.hpp"
 #include "commands/run_totals.hpp"
 #include "commands/signals.hpp"
+#include "commands/watch_report.hpp"
 #include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
 #include "io/summary.hpp"
@@ -207,6 +208,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["residual_max_of_rows"] = recorder.largest_residual();
     json["bytes_per_grain"] = bytes_per_grain(features);
     json["bytes_per_contact"] = bytes_per_contact(features);
+    json["watch"] = watch_summary(simulation);
     json["state_hash"] = hex_digits(hash);
     std::string error;
     if (comm.is_root()) {
@@ -220,6 +222,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     progress.info(fmt::format(
         "{} steps, {} s simulated in {:.1f} s; largest overlap {:.3g} r, residual {:.3g}; state hash {}", done.steps,
         done.time, totals.loading, recorder.largest_overlap(), recorder.largest_residual(), hex_digits(hash)));
+    show_watch_total(simulation, progress);
     if (done.stopped) {
         progress.warning(done.kept ? fmt::format("stopped; go on with nappe restart {}", options.out.string())
                                    : std::string("stopped, and this state is in no checkpoint"));

@@ -189,6 +189,36 @@ struct BalanceSettings {
     Moves moves = Moves::when_it_pays;
 };
 
+/// What is looked at in every step ([watch]; solver/watcher.hpp), and what becomes of a step in which it is found.
+template <int D>
+struct WatchSettings {
+    /// substep: the step is done again with twice the substeps, and again, and ends the run if max_substeps do not help;
+    /// while a sample is prepared it only warns, so that samples do not depend on it.
+    enum class Then { warn, substep, stop };
+    struct Overlap {
+        double limit = 0.8; ///< largest -gap at the end of a (sub)step, over the smaller radius
+        Then then = Then::warn;
+    };
+    struct Energy {
+        double limit = 0.1; ///< of what grew without work, over kinetic energy + work of walls + weight x mean radius
+        Then then = Then::warn;
+    };
+    struct Residual {
+        int steps = 10; ///< in a row that end above solver.tolerance
+        Then then = Then::warn;
+    };
+    struct Bounds { ///< of all centres [m]
+        Vec<D> min = Vec<D>::Zero(), max = Vec<D>::Zero();
+        Then then = Then::stop;
+    };
+    Overlap overlap;
+    Energy energy;
+    Residual residual;
+    std::optional<Bounds> bounds; ///< none: what tiles can name
+    Then failure = Then::stop; ///< a step that can not be taken (not finite, too fast, through something); never warn
+    int max_substeps = 64;     ///< of a step that is done again
+};
+
 template <int D>
 struct Scene {
     std::string title;
@@ -206,6 +236,7 @@ struct Scene {
     Output<D> output;
     TileSettings tiles;
     BalanceSettings balance;
+    WatchSettings<D> watch;
 };
 
 /// Largest gap at which any pair is bonded [m].

@@ -59,6 +59,10 @@ struct SnapshotClock {
     // Counters of the simulation, but for relaxations, which are each rank's own.
     std::int64_t steps = 0, sweeps = 0, rebuilds = 0, redone_lists = 0, redone_groups = 0, redone_packs = 0,
                  reductions = 0, unconverged = 0, rebalanced = 0;
+    // What the watch has found so far (solver/watcher.hpp).
+    std::array<std::int64_t, 4> watched{};
+    std::int64_t unconverged_in_row = 0, divided_steps = 0, most_substeps = 0;
+    double largest_growth = 0, largest_scale = 0;
     double stage_start = 0;     ///< [s]
     double impulse_h = 0;       ///< step whose impulses these are [s]
     double correction_work = 0; ///< [J]
@@ -83,6 +87,15 @@ struct SnapshotClock {
         f("reductions", reductions);
         f("unconverged", unconverged);
         f("rebalanced", rebalanced);
+        f("watched_overlap", watched[0]);
+        f("watched_energy", watched[1]);
+        f("watched_residual", watched[2]);
+        f("watched_bounds", watched[3]);
+        f("unconverged_in_row", unconverged_in_row);
+        f("divided_steps", divided_steps);
+        f("most_substeps", most_substeps);
+        f("largest_growth", largest_growth);
+        f("largest_scale", largest_scale);
         f("stage_start", stage_start);
         f("impulse_h", impulse_h);
         f("correction_work", correction_work);

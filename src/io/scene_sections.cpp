@@ -56,6 +56,10 @@ void to_origin(Scene<2>& scene) {
     if (scene.output.zone) {
         scene.output.zone->tip -= origin;
     }
+    if (scene.watch.bounds) {
+        scene.watch.bounds->min -= origin;
+        scene.watch.bounds->max -= origin;
+    }
 }
 
 } // namespace
@@ -94,6 +98,7 @@ Scene<2> read_sections(const toml::table& root, Problems& problems) {
     read_walls(top, scene);
     read_tiles(top, scene);
     read_balance(top, scene);
+    read_watch(top, scene);
     read_output(top, scene);
     to_origin(scene);
     return scene;

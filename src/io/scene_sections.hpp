@@ -20,6 +20,7 @@ void read_walls(const TableReader& top, Scene<2>& scene);
 void read_stages(const TableReader& top, Scene<2>& scene);
 void read_tiles(const TableReader& top, Scene<2>& scene);
 void read_balance(const TableReader& top, Scene<2>& scene);
+void read_watch(const TableReader& top, Scene<2>& scene); // io/scene_watch.cpp
 void read_output(const TableReader& top, Scene<2>& scene);
 
 /// The element's name; a problem if an earlier element has it too, "" and a problem if it is none. `kind` for the message: "wall". Local.

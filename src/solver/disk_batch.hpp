@@ -92,6 +92,12 @@ struct alignas(64) GapBatch {
     double v_old[n_lanes];           ///< at `u_old`
 };
 
+/// What `refresh` found.
+struct Refreshed {
+    std::int64_t awake = 0;
+    double deepest = 0; ///< largest overlap between disks, over the smaller radius
+};
+
 /// What the kernels read of bodies: four doubles a body in each array, see BodyVelocity<2> and BodyPlace<2>.
 struct BodyArrays {
     const double* mid;
@@ -132,9 +138,9 @@ struct DiskKernels {
     void (*apply)(const BatchSpan& batches, double* u);
     /// New normals and biases (inelastic law) of batches that stay as they are, for a step of h. Contacts of disks that
     /// sleep (DiskContacts' rule) lose impulses and m_eff, those that wake get it back; what is bonded never sleeps.
-    /// Returns how many are awake. Lanes of walls count as awake; what they get is for the caller to overwrite.
+    /// Counts those that are awake. Lanes of walls count as awake; what they get is for the caller to overwrite.
     /// @param look seconds ahead that the rule looks: those for which normals are to serve
-    std::int64_t (*refresh)(const BatchSpan& batches, const BodyArrays& bodies, double h, double look);
+    Refreshed (*refresh)(const BatchSpan& batches, const BodyArrays& bodies, double h, double look);
     /// Gaps and biases (inelastic law) after bodies moved for a time h at velocities u, normals as they are; impulses are
     /// added to `summed`. Pre: gaps are kept.
     void (*advance)(const BatchSpan& batches, const double* u, double h);

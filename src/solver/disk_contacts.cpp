@@ -50,6 +50,7 @@ PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates
                               bool activate_all) {
     const Step step{state, candidates, walls, h, kept_ * h, activate_all, arrays(state)};
     PackFaults faults;
+    deepest_ = 0;
     // Laws that look at approach velocities have every tile packed anew.
     const bool may_stay = !activate_all && !laws_.features.restitution;
     for (std::size_t t = 0; t < ranges_.size() && !fresh_; ++t) {
@@ -91,7 +92,9 @@ bool DiskContacts::refresh_tile(std::size_t tile, const Step& step, PackFaults& 
     if (cohesive_) {
         refresh_bonds(range, step);
     }
-    range.active = kernels_->refresh(span(range), step.bodies, step.h, step.look);
+    const Refreshed refreshed = kernels_->refresh(span(range), step.bodies, step.h, step.look);
+    range.active = refreshed.awake;
+    deepest_ = refreshed.deepest > deepest_ ? refreshed.deepest : deepest_;
     for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
         WallPair& pair = walls_[static_cast<std::size_t>(w)];
         const auto found = judge_wall(step, pair.candidate, faults);
@@ -143,6 +146,9 @@ bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& fau
         const Found found = of_wall ? judge_wall(step, c, faults)
                                     : judge(step, c, Vec<2>(g.nx[l], g.ny[l]), g.gap[l], g.size[l], g.v[l], g.v_old[l]);
         std::int64_t slot = -1;
+        if (!of_wall && g.gap[l] < 0) {
+            note_overlap(g.gap[l], step.state.radius[step.candidates.a[c]], step.state.radius[step.candidates.b[c]]);
+        }
         if (found.decision == Decision::act) {
             slot = place(range, step, c, found);
             if (slot < 0) {
@@ -205,7 +211,7 @@ DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const 
     return found;
 }
 
-DiskContacts::Found DiskContacts::judge_wall(const Step& step, std::int32_t c, PackFaults& faults) const {
+DiskContacts::Found DiskContacts::judge_wall(const Step& step, std::int32_t c, PackFaults& faults) {
     const auto& state = step.state;
     const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
     const auto g = contact_geometry(state, step.walls, a, b);
@@ -216,6 +222,7 @@ DiskContacts::Found DiskContacts::judge_wall(const Step& step, std::int32_t c, P
     if (!g.applies) {
         return {};
     }
+    note_overlap(g.gap, state.radius[a], state.radius[a]);
     return judge(step, c, g.n, g.gap, state.radius[a] + state.radius[a], normal_speed(g.n, state.u[a], state.u[b]),
                  normal_speed(g.n, state.u_old[a], state.u_old[b]));
 }

@@ -136,10 +136,7 @@ public:
         kernels_->settle_single(span(ranges_[tile]), single_of(tile), doubles(u));
     }
     /// By one sweep in single precision, without bodies.
-    std::size_t bytes_swept_single() const {
-        return batches_.size() * sizeof(SingleBatch) + friction_.size() * sizeof(FrictionBatch) +
-               cohesion_.size() * sizeof(CohesionBatch);
-    }
+    std::size_t bytes_swept_single() const;
 
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
         kernels_->apply(span(ranges_[tile]), u.data()->v.data());
@@ -160,6 +157,42 @@ public:
     /// Local. Sweeps with another instruction set from now on: the packed contacts are the same for all.
     void use(const DiskKernels& kernels) { kernels_ = &kernels; }
 
+    /// Largest overlap that the last `pack` met on this rank, over the smaller radius.
+    double deepest() const { return deepest_; }
+
+    /// Calls f(wall body, n, r_n, r_t) for the contacts of a tile with walls, in the order of candidates; impulses as
+    /// for_each_summed has them.
+    template <class F>
+    void for_each_of_walls(std::size_t tile, F&& f) const {
+        const Range& range = ranges_[tile];
+        for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
+            if (const std::int64_t slot = walls_[static_cast<std::size_t>(w)].slot; slot >= 0) {
+                const DiskBatch& batch = batches_[static_cast<std::size_t>(slot / n_lanes)];
+                const auto l = static_cast<int>(slot % n_lanes);
+                const auto r = summed(batch, slot / n_lanes, l);
+                f(row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r.n, r.t[0]);
+            }
+        }
+    }
+
+    /// Calls f(a, b, n, gamma h) for the contacts of a tile that attract, in the order of candidates. Pre: cohesive().
+    template <class F>
+    void for_each_bond(std::size_t tile, F&& f) const {
+        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+            if (const double most = cohesion_[static_cast<std::size_t>(k)].most[l]; most > 0) {
+                f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), most);
+            }
+        });
+    }
+
+    /// Calls f(a, b, squared residual) for the packed contacts of a tile, in the order of candidates.
+    template <class F>
+    void for_each_residual(std::size_t tile, const std::vector<BodyVelocity<2>>& u, F&& f) const {
+        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+            f(row(batch.a[l]), row(batch.b[l]), squared_residual(batch, k, l, u));
+        });
+    }
+
     std::int64_t n_active() const { return n_active_; }
     std::int64_t n_active(std::size_t tile) const { return ranges_[tile].active; }
     std::int64_t n_batches(std::size_t tile) const { return ranges_[tile].n; }
@@ -177,12 +210,8 @@ public:
     template <class F>
     void for_each_summed(std::size_t tile, F&& f) const {
         for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
-            double r_n = batch.r_n[l], r_t = tangential(k, l);
-            if (!summed_.empty()) {
-                r_n += summed_[static_cast<std::size_t>(k)].n[l];
-                r_t += summed_[static_cast<std::size_t>(k)].t[l];
-            }
-            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r_n, r_t);
+            const auto r = summed(batch, k, l);
+            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r.n, r.t[0]);
         });
     }
 
@@ -205,11 +234,7 @@ public:
     }
 
     /// By one sweep, without bodies.
-    std::size_t bytes_swept() const {
-        return batches_.size() * sizeof(DiskBatch) + tangent_.size() * sizeof(TangentBatch) +
-               friction_.size() * sizeof(FrictionBatch) + cohesion_.size() * sizeof(CohesionBatch) +
-               (memory_[0].size() + memory_[1].size()) * sizeof(SearchBatch);
-    }
+    std::size_t bytes_swept() const;
     const char* instruction_set() const { return kernels_->name; }
 
 private:
@@ -270,6 +295,17 @@ private:
     double tangential(std::int64_t batch, std::int64_t l) const {
         return tangent_.empty() ? 0.0 : tangent_[static_cast<std::size_t>(batch)].r_t[l];
     }
+    /// The impulses of a lane, with those of the substeps before that had its normal [N s].
+    Impulse<2> summed(const DiskBatch& batch, std::int64_t k, int l) const {
+        Impulse<2> r{batch.r_n[l], {tangential(k, l)}};
+        if (!summed_.empty()) {
+            r.n += summed_[static_cast<std::size_t>(k)].n[l];
+            r.t[0] += summed_[static_cast<std::size_t>(k)].t[l];
+        }
+        return r;
+    }
+    double squared_residual(const DiskBatch& batch, std::int64_t k, int l,
+                            const std::vector<BodyVelocity<2>>& u) const; // [m²/s²]
     void set_tangential(std::int64_t batch, std::int64_t l, double r_t) {
         if (!tangent_.empty()) {
             tangent_[static_cast<std::size_t>(batch)].r_t[l] = r_t;
@@ -313,7 +349,11 @@ private:
     }
     Found judge(const Step& step, std::int32_t c, const Vec<2>& n, double gap, double size, double v_free,
                 double v_old) const;
-    Found judge_wall(const Step& step, std::int32_t c, PackFaults& faults) const;
+    Found judge_wall(const Step& step, std::int32_t c, PackFaults& faults);
+    void note_overlap(double gap, double r_a, double r_b) {
+        const double overlap = -gap / (r_a < r_b ? r_a : r_b);
+        deepest_ = overlap > deepest_ ? overlap : deepest_;
+    }
     std::int64_t place(Range& range, const Step& step, std::int32_t c, const Found& found);
     void grow(Range& range, std::int64_t n);
     void clear(std::int64_t at, LocalId null_body);
@@ -341,6 +381,7 @@ private:
     std::vector<std::int32_t> asleep_; ///< candidates of disks that sleep, by tile
     std::vector<WallPair> walls_;      ///< by tile
     std::int64_t n_active_ = 0;
+    double deepest_ = 0;
     bool fresh_ = true;
 
     mutable std::vector<std::int64_t> lane_of_; ///< scratch of for_each_lane

@@ -144,4 +144,15 @@ void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) con
     });
 }
 
+std::size_t DiskContacts::bytes_swept() const {
+    return batches_.size() * sizeof(DiskBatch) + tangent_.size() * sizeof(TangentBatch) +
+           friction_.size() * sizeof(FrictionBatch) + cohesion_.size() * sizeof(CohesionBatch) +
+           (memory_[0].size() + memory_[1].size()) * sizeof(SearchBatch);
+}
+
+std::size_t DiskContacts::bytes_swept_single() const {
+    return batches_.size() * sizeof(SingleBatch) + friction_.size() * sizeof(FrictionBatch) +
+           cohesion_.size() * sizeof(CohesionBatch);
+}
+
 } // namespace nappe

@@ -174,7 +174,7 @@ void apply(const BatchSpan& batches, double* u) {
 
 /// One register of a GapBatch.
 struct Gaps {
-    Lane nx, ny, gap, size, v, v_old, inv_m;
+    Lane nx, ny, gap, size, smaller, v, v_old, inv_m;
 };
 
 NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, const std::uint32_t* j) {
@@ -185,6 +185,7 @@ NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, cons
     g.nx = dx / distance;
     g.ny = dy / distance;
     g.size = p.s + q.s;
+    g.smaller = p.s < q.s ? p.s : q.s;
     g.gap = distance - g.size;
     const Bodies a = gather(bodies.u, i), b = gather(bodies.u, j);
     g.v = g.nx * (a.x - b.x) + g.ny * (a.y - b.y);
@@ -194,9 +195,9 @@ NAPPE_INLINE Gaps measure(const BodyArrays& bodies, const std::uint32_t* i, cons
     return g;
 }
 
-std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double h, double look) {
+Refreshed refresh(const BatchSpan& batches, const BodyArrays& bodies, double h, double look) {
     const Lane zero = {}, one = zero + 1;
-    Lane awake = {};
+    Lane awake = {}, deepest = {};
     for (std::int64_t k = 0; k < batches.n; ++k) {
         DiskBatch& batch = batches.contacts[k];
         for (int l = 0; l < n_lanes; l += width) {
@@ -221,9 +222,11 @@ std::int64_t refresh(const BatchSpan& batches, const BodyArrays& bodies, double 
                 store(r_t, acts > zero ? load(r_t) : zero);
             }
             awake += acts;
+            const Lane overlap = (zero - g.gap) / g.smaller; // NaN for walls and padding
+            deepest = overlap > deepest ? overlap : deepest;
         }
     }
-    return static_cast<std::int64_t>(sum_of(awake));
+    return {static_cast<std::int64_t>(sum_of(awake)), largest_of(deepest)};
 }
 
 void gaps(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,

@@ -68,9 +68,10 @@ template <int D>
 void Simulation<D>::relist() {
     const auto start = std::chrono::steady_clock::now();
     const bool moved = rebalance_if_due();
-    if (counters_.rebuilds > 0) { // before the first, memory_ has the sample's impulses
+    if (!memory_is_set_) { // by a sample, or by a step that is done again
         memory_.keep(state_, candidates());
     }
+    memory_is_set_ = false;
     domain_.rebuild(state_, walls_.n_bodies(), memory_);
     place_walls();
     find_candidates(state_, domain_.grid(), walls_, memory_, candidates_);

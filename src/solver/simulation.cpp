@@ -3,6 +3,7 @@
 #include "core/mix.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace nappe {
 
@@ -16,11 +17,20 @@ double largest_radius(const Scene<D>& scene) {
 }
 
 template <int D>
+double smallest_radius(const Scene<D>& scene) {
+    double r = scene.sample ? scene.sample->radii.min : std::numeric_limits<double>::infinity();
+    for (const auto& g : scene.grains) {
+        r = std::min(r, g.radius);
+    }
+    return r;
+}
+
+template <int D>
 Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const DiskKernels& kernels)
     : comm_(comm), scene_(scene), walls_(scene.walls),
       domain_(comm, TileGrid<D>(Vec<D>::Zero(), scene.tiles.side_for(largest_radius(scene))), scene.balance),
       contacts_(scene, kernels), solver_(comm, watch_, scene.balance.by == BalanceSettings::By::time),
-      sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)) {
+      sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)), r_min_(smallest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);
     state_.carries = features_of(scene);
 }
@@ -66,7 +76,11 @@ void Simulation<D>::take(std::vector<GrainRecord<D>> records, const std::vector<
     last_sweeps_ = 0;
     domain_.distribute(std::move(records), impulses, walls_.n_bodies(), state_, memory_, owners);
     candidates_ = {};
+    memory_is_set_ = true;
     impulses_stale_ = false;
+    intact_ = true;
+    start_.held = false;
+    watcher_.clear();
     contacts_.forget();
     costs_ = {};
     relaxing_ = 0;
@@ -171,5 +185,6 @@ std::uint64_t Simulation<D>::state_hash() const {
 
 template class Simulation<2>;
 template double largest_radius(const Scene<2>&);
+template double smallest_radius(const Scene<2>&);
 
 } // namespace nappe

@@ -12,7 +12,9 @@
 #include "core/walls.hpp"
 #include "parallel/domain.hpp"
 #include "solver/contact_solver.hpp"
+#include "solver/step_start.hpp"
 #include "solver/tile_costs.hpp"
+#include "solver/watcher.hpp"
 
 #include <optional>
 #include <vector>
@@ -43,6 +45,8 @@ inline constexpr std::uint32_t through_wall = 1u << 4;
 inline constexpr std::uint32_t too_fast = 1u << 5; ///< a grain moves farther in a step than tiles allow
 inline constexpr std::uint32_t fast = 1u << 6;     ///< a grain moves more than slow_stride of its radius in a step
 inline constexpr std::uint32_t passed = 1u << 7;   ///< a grain went through another, or through a wall
+inline constexpr std::uint32_t deep = 1u << 8;     ///< an overlap beyond watch.overlap.limit
+inline constexpr std::uint32_t outside = 1u << 9;  ///< a centre outside watch.bounds
 inline constexpr std::uint32_t outside_first = 1u << 16; ///< bits from here on are the caller's: signals, I/O errors
 } // namespace flag
 
@@ -73,9 +77,14 @@ public:
     void resume(const Snapshot<D>& from);
 
     /// **Collective.** Advances by the stage's h. @param outside bits of the caller, >= flag::outside_first
-    /// @returns those bits of all ranks. Throws NumericalFailure (NaN, a grain through a wall or too fast), naming the
-    /// grain.
+    /// @returns those bits of all ranks. Throws NumericalFailure (NaN, a grain through a wall or too fast, or what the
+    /// scene's [watch] says), naming the grain, on all ranks alike.
     std::uint32_t step(std::uint32_t outside = 0, bool with_residual = false);
+
+    /// **Collective.** After `step` threw NumericalFailure: grains, walls, series and the watch are those of the start of
+    /// that step. Impulses are what was found until it failed, 0 if something was not finite. False: lists were being
+    /// rebuilt, and nothing here can be used.
+    bool undo_step();
 
     /// Of the last step, if it was asked for.
     const std::optional<Residual>& last_residual() const { return last_residual_; }
@@ -102,6 +111,8 @@ public:
     const Counters& counters() const { return counters_; }
     /// Potential energy that the correction of positions has put in since the sample was loaded, of all grains [J].
     double correction_work() const { return correction_work_; }
+    const Watcher& watcher() const { return watcher_; }
+    Watcher& watcher() { return watcher_; }
     ContactSums<D>& sums() { return sums_; }
     /// This rank's part, since `mark_cells`, if the scene wants an energy budget.
     const EnergySums<D>& energy() const { return energy_; }
@@ -125,14 +136,24 @@ public:
 
 private:
     // One stage of the step each, in this order (step.cpp).
-    enum class Start { warm, as_it_is }; ///< as_it_is: u has the impulses in it already
-    struct Before;
-    bool kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual); // substeps.cpp
+    enum class Start { warm, as_it_is };               ///< as_it_is: u has the impulses in it already
+    enum class Outcome { taken, separately, shorter }; ///< separately: with a geometry each; shorter: the whole step
+    struct Solve {
+        double h;
+        int sweeps;
+        std::uint32_t outside; ///< the caller's bits
+        bool with_residual;
+    };
+    bool take_step(std::uint32_t outside, bool with_residual); // substeps.cpp
+    Outcome kept_substeps(int n, const Solve& solve);
     void predict_kept(double h);
-    void restore(const Before& before);
-    void substep(double h, int sweeps, std::uint32_t outside, bool with_residual);
-    void begin_substep(double h);
-    void agree(double h, int n, const PackFaults& faults, std::uint32_t outside);
+    void put_back(const StepStart<D>& start);
+    void keep(StepStart<D>& start) const;
+    void change_substep(double h);
+    bool substep(const Solve& solve);
+    void begin_substep();
+    void renew_lists();
+    void agree(double h, int n, const PackFaults& faults, std::uint32_t outside, const StepStart<D>* start = nullptr);
     void end_substep(double h);
     bool walls_change_speed() const;
     bool corrects() const { return settings().position_correction > 0; }
@@ -143,15 +164,17 @@ private:
     void predict(double h);
     PackFaults detect(double h, bool activate_all);
     void solve(double h, int sweeps, Start start, bool with_residual);
-    std::uint32_t check(double h, int n, const PackFaults& faults);
+    std::uint32_t check(double h, int n, const PackFaults& faults, const StepStart<D>* start);
     void integrate(double h);
-    void collect(int n);
+    void collect();
     void collect_energy(double h);
     void find_reported_tiles();
 
     void take(std::vector<GrainRecord<D>> records, const std::vector<ContactRow<D>>& impulses,
               const std::vector<TileOwner>& owners);
     void take_sums(const Snapshot<D>& from); // snapshot.cpp
+    SnapshotClock clock() const;
+    void set_clock(const SnapshotClock& clock);
     void configure_stage();
     void rebuild();
     void relist();
@@ -164,6 +187,24 @@ private:
     void place_walls();
     double largest_margin() const { return domain_.largest_margin(r_max_, state_.attraction); }
     double velocity_scale(double h) const;
+    // The watch. `start`: of n > 1 substeps that share their normals.
+    void gauge(const Tile& tile, double h, const StepStart<D>* start); // watch_step.cpp
+    std::uint32_t read_gauge(double h, int n, const StepStart<D>* start);
+    bool heed(double h, int n, const StepStart<D>* start);
+    bool preparing() const { return scene_.stages[static_cast<std::size_t>(stage_)].until.has_value(); }
+    bool may_divide(typename WatchSettings<D>::Then then) const;
+    Vec<D> end_of(LocalId i, double h) const;
+    Suspect deepest(double h) const;
+    double energy_growth(double h, int n, const StepStart<D>* start); // watch_energy.cpp
+    double work_of_bonds(double h, int n, const StepStart<D>* start) const;
+    Suspect driver() const;
+    std::string cause(Watched what, double growth) const; // watch_causes.cpp
+    std::string where() const;
+    std::string place_of(GlobalId who) const;
+    Suspect worst(const Suspect& mine) const;
+    std::string named(const Suspect& suspect) const;
+    Suspect least_solved() const;
+    Suspect suspect(double measure, LocalId a, LocalId b) const;
     [[noreturn]] void fail(std::uint32_t flags, const PackFaults& faults, double h) const;
     std::uint32_t look_for_passages(double h, int n);
     [[noreturn]] void fail_of_passage(const std::string& where) const;
@@ -185,8 +226,26 @@ private:
     EnergySums<D> energy_;
     bool energy_wanted_ = false;
     Counters counters_;
+    Watcher watcher_;
 
-    double r_max_ = 0, mean_radius_ = 0, total_mass_ = 0, skin_ = 0;
+    /// What a look at all grains of a (sub)step found on this rank.
+    struct Gauge {
+        ExactSum grown;              ///< energy, kinetic and potential [J]
+        ExactSum kinetic;            ///< at the start [J]
+        double farthest_squared = 0; ///< of the ways from detection to the end [m²]
+        bool finite = true;
+        Suspect outside, deep;
+    };
+    Gauge gauge_;
+    StepStart<D> start_;                  ///< of the step in hand, if it has several substeps
+    int parts_ = 1, done_ = 0;            ///< substeps of the step in hand; of them, those taken
+    bool intact_ = true;                  ///< false while lists are rebuilt
+    bool predicted_ = false;              ///< u_old is of the step in hand
+    bool shorter_ = false;                ///< the step is to be done again with more substeps
+    bool memory_is_set_ = true;           ///< memory_ has the impulses of the next rebuild already
+    std::int64_t unconverged_before_ = 0; ///< Counters::unconverged when the step began
+
+    double r_max_ = 0, r_min_ = 0, mean_radius_ = 0, total_mass_ = 0, skin_ = 0;
     int stage_ = 0;
     double stage_start_ = 0;
     std::int64_t stage_steps_ = 0;
@@ -215,5 +274,7 @@ private:
 /// Largest radius of a scene: what sizes its tiles [m].
 template <int D>
 double largest_radius(const Scene<D>& scene);
+template <int D>
+double smallest_radius(const Scene<D>& scene); ///< [m]
 
 } // namespace nappe

@@ -71,29 +71,66 @@ GrainRecord<D> record_of(const SnapshotGrain<D>& grain) {
 } // namespace
 
 template <int D>
+SnapshotClock Simulation<D>::clock() const {
+    SnapshotClock clock;
+    clock.stage = stage_;
+    clock.stage_steps = stage_steps_;
+    clock.stage_substeps = stage_substeps_;
+    clock.rebuild_due = rebuild_due_ ? 1 : 0;
+    clock.some_fast = some_fast_ ? 1 : 0;
+    clock.energy_wanted = energy_wanted_ ? 1 : 0;
+    clock.summed_steps = sums_.n_steps();
+    clock.last_balance = last_balance_;
+    clock.steps = counters_.steps;
+    clock.sweeps = counters_.sweeps;
+    clock.rebuilds = counters_.rebuilds;
+    clock.redone_lists = counters_.redone_lists;
+    clock.redone_groups = counters_.redone_groups;
+    clock.redone_packs = counters_.redone_packs;
+    clock.reductions = counters_.reductions;
+    clock.unconverged = counters_.unconverged;
+    clock.rebalanced = counters_.rebalanced;
+    const auto& watched = watcher_.memory();
+    clock.watched = watched.steps;
+    clock.unconverged_in_row = watched.unconverged_in_row;
+    clock.divided_steps = watched.divided_steps;
+    clock.most_substeps = watched.most_substeps;
+    clock.largest_growth = watched.largest_growth;
+    clock.largest_scale = watched.largest_scale;
+    clock.stage_start = stage_start_;
+    clock.impulse_h = impulse_h_;
+    clock.correction_work = correction_work_;
+    return clock;
+}
+
+template <int D>
+void Simulation<D>::set_clock(const SnapshotClock& clock) {
+    counters_ = {};
+    counters_.steps = clock.steps;
+    counters_.sweeps = clock.sweeps;
+    counters_.rebuilds = clock.rebuilds;
+    counters_.redone_lists = clock.redone_lists;
+    counters_.redone_groups = clock.redone_groups;
+    counters_.redone_packs = clock.redone_packs;
+    counters_.reductions = clock.reductions;
+    counters_.unconverged = clock.unconverged;
+    counters_.rebalanced = clock.rebalanced;
+    watcher_.set_memory({clock.watched, clock.unconverged_in_row, clock.divided_steps, clock.most_substeps,
+                         clock.largest_growth, clock.largest_scale});
+    stage_start_ = clock.stage_start;
+    stage_steps_ = clock.stage_steps;
+    stage_substeps_ = clock.stage_substeps;
+    rebuild_due_ = clock.rebuild_due != 0;
+    some_fast_ = clock.some_fast != 0;
+    last_balance_ = clock.last_balance;
+    correction_work_ = clock.correction_work;
+    impulse_h_ = clock.impulse_h;
+}
+
+template <int D>
 Snapshot<D> Simulation<D>::snapshot() const {
     Snapshot<D> s;
-    const auto& c = counters_;
-    s.clock = {stage_,
-               stage_steps_,
-               stage_substeps_,
-               rebuild_due_ ? 1 : 0,
-               some_fast_ ? 1 : 0,
-               energy_wanted_ ? 1 : 0,
-               sums_.n_steps(),
-               last_balance_,
-               c.steps,
-               c.sweeps,
-               c.rebuilds,
-               c.redone_lists,
-               c.redone_groups,
-               c.redone_packs,
-               c.reductions,
-               c.unconverged,
-               c.rebalanced,
-               stage_start_,
-               impulse_h_,
-               correction_work_};
+    s.clock = clock();
     s.grains.reserve(static_cast<std::size_t>(state_.n_own));
     for (LocalId i = 0; i < state_.n_own; ++i) {
         s.grains.push_back(grain_of(state_, i));
@@ -118,8 +155,7 @@ Snapshot<D> Simulation<D>::snapshot() const {
 template <int D>
 void Simulation<D>::resume(const Snapshot<D>& from) {
     const auto lap = watch_.lap(Timed::prepare);
-    const auto& clock = from.clock;
-    stage_ = static_cast<int>(clock.stage);
+    stage_ = static_cast<int>(from.clock.stage);
     configure_stage();
     walls_ = Walls<D>(scene_.walls);
     for (std::size_t w = 0; w < walls_.offset.size(); ++w) {
@@ -146,25 +182,8 @@ void Simulation<D>::resume(const Snapshot<D>& from) {
     }
     place_walls();
 
-    counters_ = {};
-    counters_.steps = clock.steps;
-    counters_.sweeps = clock.sweeps;
-    counters_.rebuilds = clock.rebuilds;
-    counters_.redone_lists = clock.redone_lists;
-    counters_.redone_groups = clock.redone_groups;
-    counters_.redone_packs = clock.redone_packs;
-    counters_.reductions = clock.reductions;
-    counters_.unconverged = clock.unconverged;
-    counters_.rebalanced = clock.rebalanced;
-    stage_start_ = clock.stage_start;
-    stage_steps_ = clock.stage_steps;
-    stage_substeps_ = clock.stage_substeps;
-    rebuild_due_ = clock.rebuild_due != 0;
-    some_fast_ = clock.some_fast != 0;
-    last_balance_ = clock.last_balance;
-    correction_work_ = clock.correction_work;
+    set_clock(from.clock);
     take_sums(from);
-    impulse_h_ = clock.impulse_h;
     rescale_impulses(settings().h / settings().substeps);
 }
 
@@ -188,6 +207,8 @@ void Simulation<D>::take_sums(const Snapshot<D>& from) {
     energy_.for_each_sum(fill);
 }
 
+template SnapshotClock Simulation<2>::clock() const;
+template void Simulation<2>::set_clock(const SnapshotClock&);
 template Snapshot<2> Simulation<2>::snapshot() const;
 template void Simulation<2>::resume(const Snapshot<2>&);
 template void Simulation<2>::take_sums(const Snapshot<2>&);

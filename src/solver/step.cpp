@@ -19,36 +19,44 @@
 
 namespace nappe {
 
+/// False: the whole step is to be done again with more substeps.
 template <int D>
-void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool with_residual) {
+bool Simulation<D>::substep(const Solve& asked) {
     constexpr int most_attempts = 8;
-    begin_substep(h);
+    const double h = asked.h;
+    begin_substep();
     bool activate_all = false;
     for (int attempt = 1;; ++attempt) {
         predict(h);
         const PackFaults faults = detect(h, activate_all);
-        solve(h, sweeps, Start::warm, with_residual);
+        solve(h, asked.sweeps, Start::warm, asked.with_residual);
         if (corrects()) {
             gains_.clear();
             note_gain(h);
-            correct_positions(h, sweeps);
+            correct_positions(h, asked.sweeps);
         }
-        agree(h, 1, faults, outside);
+        agree(h, 1, faults, asked.outside);
+        if (shorter_) {
+            return false;
+        }
         if ((agreed_ & (flag::outran_list | flag::missed_contact)) == 0) {
             break;
         }
         if (attempt == most_attempts) {
+            if (may_divide(scene_.watch.failure)) {
+                return false;
+            }
             throw NumericalFailure(
-                fmt::format("step {} of stage '{}' had to be redone more than {} times, since grains moved "
-                            "farther than foreseen each time; take a smaller solver.h or more sweeps",
-                            stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name, most_attempts));
+                fmt::format("{} had to be redone more than {} times, since grains moved farther than foreseen each "
+                            "time; take a smaller solver.h or more sweeps",
+                            where(), most_attempts));
         }
         // Redone from the same start, but from the impulses found so far.
         if ((agreed_ & flag::outran_list) != 0) {
             ++counters_.redone_lists;
             widen_margins(h);
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
-            rebuild();
+            renew_lists();
             find_bonds();
         } else {
             ++counters_.redone_packs;
@@ -56,36 +64,60 @@ void Simulation<D>::substep(double h, int sweeps, std::uint32_t outside, bool wi
             activate_all = true;
         }
     }
-    collect(1);
+    if (!heed(h, 1, nullptr)) {
+        return false;
+    }
+    collect();
     end_substep(h);
     if (corrects()) {
         move_apart(h);
     }
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
     some_fast_ = (agreed_ & flag::fast) != 0;
+    return true;
 }
 
 /// Lists and bonds as the substep needs them.
 template <int D>
-void Simulation<D>::begin_substep(double h) {
+void Simulation<D>::begin_substep() {
+    const bool first = done_ == 0;
+    start_.held = start_.held && !first;
     if (rebuild_due_) {
         set_margins();
-        rebuild();
+        renew_lists();
+        rebuild_due_ = false;
+    }
+    if (first && parts_ > 1) {
+        keep(start_);
     }
     find_bonds();
 }
 
-/// What all ranks find wrong with the last `n` substeps, into agreed_; throws if nothing helps.
+/// A rebuild within a step.
 template <int D>
-void Simulation<D>::agree(double h, int n, const PackFaults& faults, std::uint32_t outside) {
-    agreed_ = check(h, n, faults) | look_for_passages(h, n) | outside;
+void Simulation<D>::renew_lists() {
+    if (start_.held) {
+        start_.name(state_);
+    }
+    intact_ = false;
+    rebuild();
+    intact_ = true;
+}
+
+/// What all ranks find wrong with the last `n` substeps, into agreed_ and shorter_; throws if nothing helps.
+template <int D>
+void Simulation<D>::agree(double h, int n, const PackFaults& faults, std::uint32_t outside, const StepStart<D>* start) {
+    agreed_ = check(h, n, faults, start) | look_for_passages(h, n) | outside;
     {
         const auto lap = watch_.lap(Timed::check);
         agreed_ = comm_.bit_or(agreed_);
     }
     constexpr std::uint32_t fatal = flag::not_finite | flag::through_wall | flag::too_fast | flag::passed;
     if ((agreed_ & fatal) != 0) {
-        fail(agreed_, faults, h);
+        shorter_ = may_divide(scene_.watch.failure);
+        if (!shorter_) {
+            fail(agreed_, faults, h);
+        }
     }
 }
 
@@ -115,6 +147,7 @@ bool Simulation<D>::walls_change_speed() const {
 template <int D>
 void Simulation<D>::predict(double h) {
     const auto lap = watch_.lap(Timed::predict);
+    predicted_ = true;
     const double ahead = h * (1 - settings().theta);
     Vec<D> gained;
     for (int d = 0; d < D; ++d) {
@@ -191,12 +224,12 @@ void Simulation<D>::solve(double h, int sweeps, Start start, bool with_residual)
     counters_.reductions += report.reductions;
     counters_.unconverged += report.converged ? 0 : 1;
     if (!report.converged && settings().at_max == SolverSettings::AtMax::stop) {
-        const double left = solver_.residual(contacts_, state_.u, scale).largest;
-        throw NumericalFailure(fmt::format("step {} of stage '{}' (t = {} s) has a residual of {:.3g} after max_sweeps "
-                                           "= {} sweeps, above the tolerance of "
-                                           "{:.3g}; raise max_sweeps, take a smaller solver.h, or at_max = \"accept\"",
-                                           stage_steps_ + 1, scene_.stages[static_cast<std::size_t>(stage_)].name,
-                                           time(), left, settings().max_sweeps, *settings().tolerance));
+        const Suspect left = worst(least_solved());
+        throw NumericalFailure(fmt::format("{} has a residual of {:.3g} after max_sweeps = {} sweeps, above the "
+                                           "tolerance of {:.3g}, at {}; raise max_sweeps, take a smaller solver.h, or "
+                                           "at_max = \"accept\"",
+                                           where(), left.measure, settings().max_sweeps, *settings().tolerance,
+                                           named(left)));
     }
 }
 
@@ -224,13 +257,13 @@ double Simulation<D>::velocity_scale(double h) const {
 
 /// What may be wrong with a substep, and whether lists will last for the next `n` of them.
 template <int D>
-std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults) {
+std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults, const StepStart<D>* start) {
     const auto lap = watch_.lap(Timed::check);
     std::uint32_t flags = faults.through_wall != PackFaults::none ? flag::through_wall : 0;
     const bool correcting = corrects();
     const double falling = n * h * (n * h) * scene_.gravity.norm(); // what gravity may add until then
     const double most = largest_margin();
-    for (LocalId i = 0; i < state_.n_own; ++i) {
+    const auto check_grain = [&](LocalId i) {
         // Where the contact condition g + h v_n >= 0 looks: detection positions moved on by a whole substep, and by n
         // more.
         double here = 0, next = 0, jump = 0, stride = 0;
@@ -256,7 +289,15 @@ std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults) {
         if (!(next <= room * room)) {
             flags |= flag::rebuild_next;
         }
+    };
+    gauge_ = {};
+    for (const auto& tile : candidates_.tiles) {
+        for (LocalId i = tile.grains_begin; i < tile.grains_end; ++i) {
+            check_grain(i);
+        }
+        gauge(tile, h, start); // while its grains are at hand
     }
+    flags |= read_gauge(h, n, start);
     for (int w = 0; w < walls_.n_walls(); ++w) {
         const Vec<D> at = walls_.offset_mid[w] + h * walls_.v[w] - walls_.offset_ref[w];
         if (at.norm() > walls_.margin[w]) {
@@ -311,9 +352,9 @@ void Simulation<D>::find_reported_tiles() {
     }
 }
 
-/// Adds the impulses of the last `n` substeps, which had one geometry, to what the series report.
+/// Adds the impulses of the last substep, or of those that had its geometry, to what the series report.
 template <int D>
-void Simulation<D>::collect(int n) {
+void Simulation<D>::collect() {
     const auto lap = watch_.lap(Timed::measure);
     for (const std::size_t t : reported_tiles_) {
         contacts_.for_each_summed(t, [&](LocalId a, LocalId b, const Vec<D>& normal, double r_n, double r_t) {
@@ -324,46 +365,6 @@ void Simulation<D>::collect(int n) {
         });
         sums_.end_tile();
     }
-    sums_.end_steps(n);
-}
-
-/// All ranks throw the same error, which names the lowest grain concerned.
-template <int D>
-void Simulation<D>::fail(std::uint32_t flags, const PackFaults& faults, double h) const {
-    const auto& stage = scene_.stages[static_cast<std::size_t>(stage_)].name;
-    const auto where = fmt::format("step {} of stage '{}' (t = {} s)", stage_steps_ + 1, stage, time());
-    if ((flags & flag::through_wall) != 0) {
-        const auto who = -comm_.max(-faults.through_wall);
-        throw_through_wall(who, who == faults.through_wall ? walls_.name(faults.wall) : std::string(), where);
-    }
-    if ((flags & flag::passed) != 0) {
-        fail_of_passage(where);
-    }
-    GlobalId mine = PackFaults::none;
-    for (LocalId i = 0; i < state_.n_own; ++i) {
-        double jump = 0;
-        for (int d = 0; d < D; ++d) {
-            const double apart = corrects() ? correction_[i].v[d] : 0.0;
-            const double move = state_.mid[i].x[d] - state_.x[i][d] + h * (state_.u[i].v[d] + apart);
-            jump += move * move;
-        }
-        const bool bad =
-            (flags & flag::not_finite) != 0 ? !std::isfinite(jump) : !(jump < std::pow(largest_margin(), 2));
-        if (bad && state_.id[i] < mine) {
-            mine = state_.id[i];
-        }
-    }
-    const auto who = -comm_.max(-mine);
-    if ((flags & flag::not_finite) != 0) {
-        throw NumericalFailure(
-            fmt::format("the velocity of grain {} is not finite in {}; two grains may share a centre, or an "
-                        "input number is out of proportion",
-                        who, where));
-    }
-    throw NumericalFailure(
-        fmt::format("grain {} would move more than {} m in {}, farther than tiles allow; take a smaller "
-                    "solver.h or a larger tiles.side",
-                    who, largest_margin(), where));
 }
 
 template class Simulation<2>;

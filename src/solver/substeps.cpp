@@ -9,48 +9,155 @@ namespace nappe {
 
 template <int D>
 std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
-    const auto& settings = this->settings();
-    const int n = settings.substeps;
-    const int sweeps = (settings.sweeps + n - 1) / n;
-    const double h = settings.h / n;
+    const int n = settings().substeps;
+    parts_ = n;
+    done_ = 0;
+    predicted_ = start_.held = false;
     drive_walls();
-    for (int done = 0; done < n;) {
-        const int group = std::min(settings.geometry_every, n - done);
-        const bool residual_wanted = with_residual && done + group == n;
-        // What is fast turns its normals: then every substep measures its own. And work is impulse times the mean of a
-        // wall's old and new velocity: summed impulses have it only where both are the same.
-        if (group == 1 || some_fast_ || walls_change_speed() ||
-            !kept_substeps(h, sweeps, group, outside, residual_wanted)) {
-            for (int k = 1; k <= group; ++k) {
-                substep(h, sweeps, outside, residual_wanted && k == group);
-            }
-        }
-        done += group;
+    watcher_.begin_step();
+    while (!take_step(outside, with_residual)) {
+        undo_step();
+        parts_ *= 2;
+        watcher_.begin_step_again(parts_);
+        change_substep(settings().h / parts_);
     }
+    if (parts_ != n) {
+        change_substep(settings().h / n); // what is reported of impulses is of the scene's own substep
+    }
+    sums_.end_steps(n);
     ++stage_steps_;
     ++counters_.steps;
     return agreed_ & ~(flag::outside_first - 1);
 }
 
-/// All that substeps of one geometry change before they are accepted, but impulses, which a redone substep keeps anyway.
+/// The step in parts_ substeps; false: the watch asks for more of them.
 template <int D>
-struct Simulation<D>::Before {
-    std::vector<Vec<D>> x;
-    std::vector<BodyVelocity<D>> u;
-    std::vector<std::array<double, n_spin<D>>> rotation;
-    std::vector<Vec<D>> offset, v_old;
-    EnergySums<D> energy;
-    std::int64_t substeps;
-};
+bool Simulation<D>::take_step(std::uint32_t outside, bool with_residual) {
+    const auto& settings = this->settings();
+    Solve solve{settings.h / parts_, (settings.sweeps + settings.substeps - 1) / settings.substeps, outside, false};
+    unconverged_before_ = counters_.unconverged;
+    shorter_ = false;
+    for (done_ = 0; done_ < parts_;) {
+        const int group = std::min(settings.geometry_every, parts_ - done_);
+        const int end = done_ + group;
+        // What is fast turns its normals: then every substep measures its own. And work is impulse times the mean of a
+        // wall's old and new velocity: summed impulses have it only where both are the same.
+        Outcome outcome = Outcome::separately;
+        if (group > 1 && !some_fast_ && !walls_change_speed()) {
+            solve.with_residual = with_residual && end == parts_;
+            outcome = kept_substeps(group, solve);
+            done_ = outcome == Outcome::taken ? end : done_;
+        }
+        while (outcome == Outcome::separately && done_ < end) {
+            solve.with_residual = with_residual && done_ + 1 == parts_;
+            outcome = substep(solve) ? Outcome::separately : Outcome::shorter;
+            ++done_;
+        }
+        if (outcome == Outcome::shorter) {
+            return false;
+        }
+    }
+    return true;
+}
+
+template <int D>
+void Simulation<D>::keep(StepStart<D>& start) const {
+    start.held = true;
+    start.x = state_.x;
+    start.u = state_.u;
+    start.rotation = state_.rotation;
+    start.offset = walls_.offset;
+    start.v_old = walls_.v_old;
+    start.energy = energy_;
+    start.sums = sums_;
+    start.substeps = stage_substeps_;
+    start.correction_work = correction_work_;
+    start.some_fast = some_fast_;
+    start.records.reset();
+}
+
+/// Impulses stay what they are.
+template <int D>
+void Simulation<D>::put_back(const StepStart<D>& start) {
+    walls_.offset = walls_.offset_mid = start.offset;
+    walls_.v_old = start.v_old;
+    energy_ = start.energy;
+    sums_ = *start.sums;
+    stage_substeps_ = start.substeps;
+    correction_work_ = start.correction_work;
+    some_fast_ = start.some_fast;
+    if (start.records) { // lists were renewed since: rows are others, perhaps on other ranks
+        const double attraction = state_.attraction;
+        domain_.distribute(*start.records, contact_rows(), walls_.n_bodies(), state_, memory_);
+        state_.attraction = attraction;
+        candidates_ = {};
+        memory_is_set_ = true;
+        impulses_stale_ = false;
+        contacts_.forget();
+        costs_ = {};
+        set_margins();
+        renew_lists();
+        return;
+    }
+    state_.x = start.x;
+    state_.u = start.u;
+    state_.rotation = start.rotation;
+    for (LocalId i = 0; i < state_.n_held(); ++i) { // where bonds are looked for
+        for (int d = 0; d < D; ++d) {
+            state_.mid[i].x[d] = state_.x[i][d];
+        }
+    }
+}
+
+template <int D>
+bool Simulation<D>::undo_step() {
+    if (comm_.bit_or(intact_ ? 0U : 1U) != 0) {
+        return false;
+    }
+    if (predicted_ && (agreed_ & flag::not_finite) != 0) {
+        candidates();
+        std::fill(candidates_.r_n.begin(), candidates_.r_n.end(), 0.0);
+        std::fill(candidates_.r_t.begin(), candidates_.r_t.end(), std::array<double, D - 1>{});
+        contacts_.forget();
+    }
+    if (start_.held) {
+        start_.held = false;
+        put_back(start_);
+    } else if (predicted_) { // the only substep: nothing has moved yet
+        std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
+        for (LocalId i = 0; i < state_.n_held(); ++i) {
+            for (int d = 0; d < D; ++d) {
+                state_.mid[i].x[d] = state_.x[i][d];
+            }
+        }
+        walls_.offset_mid = walls_.offset;
+    }
+    predicted_ = false;
+    rebuild_due_ = false;
+    return true;
+}
+
+/// Substeps are h long from now on.
+template <int D>
+void Simulation<D>::change_substep(double h) {
+    candidates();
+    rescale_impulses(h);
+    contacts_.forget();
+}
 
 /// n substeps whose contacts keep the normals of the first: gaps change by h v_n, and since neither impulses nor normals
-/// do from one to the next, M⁻¹ H r is the velocity they gave, and no warm start has to pass over the contacts. False: a
-/// grain outran its list, was fast, or a contact that was left out came to act; then all is as it was but impulses.
+/// do from one to the next, M⁻¹ H r is the velocity they gave, and no warm start has to pass over the contacts. If a
+/// grain outran its list, was fast, or a contact that was left out came to act, all is as it was but impulses.
 template <int D>
-bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t outside, bool with_residual) {
-    begin_substep(h);
+typename Simulation<D>::Outcome Simulation<D>::kept_substeps(int n, const Solve& asked) {
+    const double h = asked.h;
+    begin_substep();
     gains_.clear();
-    const Before before{state_.x, state_.u, state_.rotation, walls_.offset, walls_.v_old, energy_, stage_substeps_};
+    StepStart<D> of_group;
+    if (done_ > 0) {
+        keep(of_group);
+    }
+    const StepStart<D>& start = done_ > 0 ? of_group : start_;
     predict(h);
     const PackFaults faults = detect(h, false);
     for (int k = 1; k <= n; ++k) {
@@ -62,21 +169,29 @@ bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t out
             predict_kept(h);
         }
         const bool last = k == n;
-        solve(h, sweeps, k == 1 ? Start::warm : Start::as_it_is, with_residual && last);
+        solve(h, asked.sweeps, k == 1 ? Start::warm : Start::as_it_is, asked.with_residual && last);
         if (corrects()) {
             note_gain(h);
         }
         if (last) {
             if (corrects()) {
-                correct_positions(h, n * sweeps);
+                correct_positions(h, n * asked.sweeps);
             }
-            agree(h, n, faults, outside);
+            agree(h, n, faults, asked.outside, &start);
+            if (shorter_) {
+                return Outcome::shorter;
+            }
             if ((agreed_ & (flag::outran_list | flag::missed_contact | flag::fast)) != 0) {
                 ++counters_.redone_groups;
-                restore(before);
-                return false;
+                put_back(start);
+                rebuild_due_ = (agreed_ & flag::outran_list) != 0;
+                some_fast_ = (agreed_ & flag::fast) != 0;
+                return Outcome::separately;
             }
-            collect(n);
+            if (!heed(h, n, &start)) {
+                return Outcome::shorter;
+            }
+            collect();
         }
         end_substep(h);
     }
@@ -85,7 +200,7 @@ bool Simulation<D>::kept_substeps(double h, int sweeps, int n, std::uint32_t out
     }
     rebuild_due_ = (agreed_ & flag::rebuild_next) != 0;
     some_fast_ = false;
-    return true;
+    return Outcome::taken;
 }
 
 /// `predict` after a substep with the same contacts: the velocities to start from are those that its impulses give.
@@ -108,24 +223,6 @@ void Simulation<D>::predict_kept(double h) {
         walls_.offset_mid[w] = walls_.offset[w] + ahead * walls_.v_old[w];
     }
     place_walls();
-}
-
-template <int D>
-void Simulation<D>::restore(const Before& before) {
-    state_.x = before.x;
-    for (LocalId i = 0; i < state_.n_held(); ++i) { // where bonds are looked for
-        for (int d = 0; d < D; ++d) {
-            state_.mid[i].x[d] = state_.x[i][d];
-        }
-    }
-    state_.u = before.u;
-    state_.rotation = before.rotation;
-    walls_.offset = walls_.offset_mid = before.offset;
-    walls_.v_old = before.v_old;
-    energy_ = before.energy;
-    stage_substeps_ = before.substeps;
-    rebuild_due_ = (agreed_ & flag::outran_list) != 0;
-    some_fast_ = (agreed_ & flag::fast) != 0;
 }
 
 template class Simulation<2>;

@@ -83,6 +83,13 @@ cells = [{ name = "W1", centre = [3, 3], radius = 2 }, { name = "W2", centre = [
 front_bin = 1.5
 measures = { during_run = true, spacing = 2, range = 4, energy = true }
 zone = { wall = "piston", tip = [6, 0.5], tolerance = 0.2 }
+[watch]
+overlap = { limit = 0.2, do = "substep" }
+energy = { limit = 0.05, do = "stop" }
+residual = { steps = 3, do = "stop" }
+bounds = { min = [-1, -2], max = [30, 40], do = "warn" }
+failure = { do = "substep" }
+max_substeps = 16
 )";
 
 } // namespace nappe::test

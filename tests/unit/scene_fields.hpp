@@ -78,6 +78,14 @@ inline std::string fields(const Scene<2>& scene) {
     for (const auto& c : o.cells) {
         text += fmt::format(" cell {} {} {:a}", c.name, shown(c.centre), c.radius);
     }
+    const auto& w = scene.watch;
+    text += fmt::format(" watch {:a} {} {:a} {} {} {} {} {}", w.overlap.limit, static_cast<int>(w.overlap.then),
+                        w.energy.limit, static_cast<int>(w.energy.then), w.residual.steps,
+                        static_cast<int>(w.residual.then), static_cast<int>(w.failure), w.max_substeps);
+    if (w.bounds) {
+        text += fmt::format(" bounds {} {} {}", shown(w.bounds->min), shown(w.bounds->max),
+                            static_cast<int>(w.bounds->then));
+    }
     return text + fmt::format("\ntiles {:a} {:a} {:a} balance {:a} {} {} {}\n", scene.tiles.side, scene.tiles.skin,
                               scene.tiles.lookahead, scene.balance.threshold, scene.balance.every,
                               static_cast<int>(scene.balance.by), static_cast<int>(scene.balance.moves));

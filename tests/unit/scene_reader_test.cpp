@@ -70,6 +70,9 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
         40, 5, {{"W1", {4.5, 3}, 2}, {"W2", {10.5, 2}, 1.5}}, 1.5, {true, 2, 4, true}, {{1, {7.5, 0.5}, 0.2}}};
     expected.tiles = {8, 0.05, 4};
     expected.balance = {1.1, 100, BalanceSettings::By::time, BalanceSettings::Moves::always};
+    using Then = WatchSettings<2>::Then;
+    expected.watch = {{0.2, Then::substep}, {0.05, Then::stop}, {3, Then::stop}, {}, Then::substep, 16};
+    expected.watch.bounds = {{0.5, -2}, {31.5, 40}, Then::warn}; // from the origin, as all positions are
     EXPECT_EQ(fields(scene), fields(expected));
 }
 
@@ -284,6 +287,23 @@ TEST(scene_reader, the_small_fold_is_the_fold_at_quarter_scale) {
         stage.duration *= 4;
     }
     EXPECT_EQ(fields(scaled), fields(fold));
+}
+
+TEST(scene_reader, watch_has_defaults_and_takes_overrides) {
+    using Then = WatchSettings<2>::Then;
+    const std::string text(sound_scene.substr(0, sound_scene.find("[watch]")));
+    const auto plain = parse_scene(text, "good.toml").watch;
+    EXPECT_EQ(plain.overlap.limit, 0.8);
+    EXPECT_EQ(plain.overlap.then, Then::warn);
+    EXPECT_EQ(plain.energy.limit, 0.1);
+    EXPECT_EQ(plain.residual.steps, 10);
+    EXPECT_FALSE(plain.bounds);
+    EXPECT_EQ(plain.failure, Then::stop);
+    EXPECT_EQ(plain.max_substeps, 64);
+    const auto set = parse_scene(text, "good.toml", {"watch.overlap.limit=0.3", "watch.energy.do=stop"}).watch;
+    EXPECT_EQ(set.overlap.limit, 0.3);
+    EXPECT_EQ(set.overlap.then, Then::warn);
+    EXPECT_EQ(set.energy.then, Then::stop);
 }
 
 TEST(scene_reader, cohesion_of_a_law_or_else_of_its_materials) {

@@ -1,0 +1,407 @@
+// The watch: each condition caused, found in the step it belongs to, named, and handled as the scene says; on all ranks
+// alike, and with the words and the bits of one rank.
+#include "support/watched_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+namespace nappe {
+namespace {
+
+using test::SceneBuilder;
+using test::WatchedRun;
+using Then = WatchSettings<2>::Then;
+
+class Watch : public testing::Test {
+protected:
+    const Communicator world;
+    const Communicator alone = Communicator::alone();
+};
+
+/// Grains at rest without gravity that overlap as given: b = 0 leaves overlaps as they are, by formula. Others lie about, so
+/// that tiles go to several ranks.
+SceneBuilder overlapping(double overlap) {
+    SceneBuilder b(0.4);
+    b.gravity(0, 0);
+    for (int k = 0; k < 12; ++k) {
+        b.grain(0.5, {10.0 * k, 0});
+    }
+    b.grain(0.5, {75, 0}).grain(0.4, {75 + 0.9 - 0.4 * overlap, 0});
+    b.stage(test::solver(0.01, 10));
+    b.scene().origin = {1000, 0}; // what is told is in the file's coordinates
+    return b;
+}
+
+TEST_F(Watch, OverlapIsNamedAndCounted) {
+    auto scene = overlapping(0.6).scene();
+    scene.watch.overlap = {0.61, Then::warn};
+    WatchedRun under(world, scene);
+    EXPECT_EQ(under.steps(3), "");
+    EXPECT_EQ(under.found(Watched::overlap), 0);
+    scene.watch.overlap.limit = 0.59;
+    WatchedRun warned(world, scene);
+    EXPECT_EQ(warned.steps(20), "");
+    EXPECT_EQ(warned.found(Watched::overlap), 20);
+    ASSERT_EQ(warned.lines.size(), 5u) << "steps 1, 2, 4, 8 and 16";
+    EXPECT_SAYS(warned.lines[0],
+                "grains 12 and 13 at [1075, 0] overlap by 0.6 of the smaller radius at the end of step 1 "
+                "of stage 'stage 0' (t = 0 s), beyond watch.overlap.limit = 0.59");
+    EXPECT_SAYS(warned.lines[4], "step 16 of");
+    EXPECT_SAYS(warned.lines[4], "(16 such steps so far)");
+    scene.watch.overlap.then = Then::stop;
+    WatchedRun stopped(world, scene);
+    EXPECT_SAYS(stopped.steps(5), "grains 12 and 13 at [1075, 0] overlap by 0.6");
+    EXPECT_EQ(stopped.simulation().stage_steps(), 0);
+    scene.watch.overlap.then = Then::substep;
+    scene.watch.max_substeps = 4;
+    WatchedRun divided(world, scene);
+    EXPECT_SAYS(divided.steps(5), "(t = 0 s) in 4 substeps, beyond") << "no substep takes an overlap away";
+}
+
+/// Walls close on a row: overlaps grow until they pass the limit in one step and not in the one before, which observables
+/// measure between steps.
+Scene<2> squeezed(int substeps, int geometry_every, double spacing = 1, double correction = 0) {
+    SceneBuilder b(0.4);
+    b.gravity(0, 0);
+    Motion<2> inwards;
+    inwards.stage = 0;
+    inwards.velocity = {1.5, 0};
+    b.moving_wall("left", {{0, 3}, {0, -3}}, inwards);
+    inwards.velocity = {-1.5, 0};
+    b.moving_wall("right", {{1.1 + 28 * spacing, -3}, {1.1 + 28 * spacing, 3}}, inwards);
+    for (int k = 0; k < 29; ++k) {
+        b.grain(0.5, {0.55 + spacing * k, 0});
+    }
+    for (int k = 0; k < 110; ++k) { // in every quarter of a step one goes into another tile
+        b.grain(0.5, {-700 + (2 * 2.7 + 0.025) * k, 8}, {10, 0});
+    }
+    auto settings = test::solver(0.01, 4 * substeps);
+    settings.substeps = substeps;
+    settings.geometry_every = geometry_every;
+    settings.position_correction = correction;
+    b.stage(settings);
+    auto scene = b.scene();
+    scene.tiles.side = 2.7;
+    scene.tiles.skin = 0.02; // rebuilds at every other moment, within steps too
+    scene.tiles.lookahead = 0.5;
+    return scene;
+}
+
+TEST_F(Watch, OverlapIsFoundInTheStepThatMakesItAndUndoneToItsStart) {
+    std::int64_t rebuilds_within = 0;
+    for (const auto& [substeps, every] : {std::pair{1, 1}, {4, 1}, {4, 4}, {6, 3}}) {
+        for (const double limit : {0.05, 0.2, 0.4}) {
+            auto scene = squeezed(substeps, every);
+            scene.watch.overlap = {1e9, Then::warn};
+            WatchedRun free(world, scene);
+            std::vector<GrainRow<2>> before = free.grains();
+            ASSERT_EQ(free.steps(1), "");
+            while (overlaps(free.simulation()).largest <= limit) {
+                before = free.grains();
+                ASSERT_EQ(free.steps(1), "");
+                ASSERT_LT(free.simulation().stage_steps(), 400) << "nothing is squeezed";
+            }
+            scene.watch.overlap = {limit, Then::stop};
+            WatchedRun watched(world, scene);
+            const auto said = watched.steps(400);
+            EXPECT_SAYS(said, "overlap by");
+            if (substeps == 1) { // of several, an earlier one may pass the limit and the last come back
+                EXPECT_EQ(watched.simulation().stage_steps() + 1, free.simulation().stage_steps());
+            } else {
+                EXPECT_LE(watched.simulation().stage_steps() + 1, free.simulation().stage_steps());
+                EXPECT_GE(watched.simulation().stage_steps() + 3, free.simulation().stage_steps());
+                WatchedRun again(world, scene);
+                const auto n = watched.simulation().stage_steps();
+                EXPECT_EQ(again.steps(n), "");
+                rebuilds_within +=
+                    watched.simulation().counters().rebuilds - again.simulation().counters().rebuilds > 1 ? 1 : 0;
+                before = again.grains();
+            }
+            const auto start = watched.simulation().time();
+            EXPECT_TRUE(watched.simulation().undo_step());
+            EXPECT_EQ(watched.simulation().time(), start);
+            test::expect_same_places(watched.grains(), before);
+            WatchedRun one(alone, scene);
+            EXPECT_EQ(one.steps(400), said);
+        }
+    }
+    EXPECT_GT(rebuilds_within, 0) << "no step was undone whose rows had changed: too easy";
+}
+
+TEST_F(Watch, ShorterSubstepsHelpOnAnyNumberOfRanks) {
+    for (const auto& [substeps, every, correction] : {std::tuple{1, 1, 0.0}, {2, 1, 0.0}, {4, 4, 0.0}, {4, 2, 0.8}}) {
+        // There is room for all, but four sweeps do not tell the far end of it in time.
+        auto scene = squeezed(substeps, every, 1.03, correction);
+        for (auto& wall : scene.walls) {
+            wall.motion->stop = 0.2;
+        }
+        double largest = 0, mass = 0;
+        WatchedRun free(world, scene);
+        EXPECT_EQ(free.steps(20,
+                             [&] {
+                                 const double now = overlaps(free.simulation()).largest;
+                                 largest = now > largest ? now : largest;
+                             }),
+                  "");
+        const double limit = 0.7 * largest;
+        ASSERT_GT(limit, 1e-6) << "too easy";
+        largest = 0;
+        scene.watch.overlap = {limit, Then::substep};
+        WatchedRun run(world, scene);
+        const auto said = run.steps(20, [&] {
+            const double now = overlaps(run.simulation()).largest;
+            largest = now > largest ? now : largest;
+        });
+        EXPECT_EQ(said, "");
+        EXPECT_GT(run.memory().divided_steps, 0) << "too easy";
+        EXPECT_LE(run.memory().divided_steps, 20);
+        EXPECT_GE(run.memory().most_substeps, 2 * substeps);
+        EXPECT_LE(largest, limit);
+        EXPECT_EQ(run.found(Watched::overlap), 0);
+        WatchedRun one(alone, scene);
+        EXPECT_EQ(one.steps(20), "");
+        EXPECT_EQ(one.simulation().state_hash(), run.simulation().state_hash());
+        EXPECT_EQ(one.memory().divided_steps, run.memory().divided_steps);
+        // Nothing was added up twice: what walls got is what grains lost.
+        auto& sums = run.simulation().sums();
+        EXPECT_EQ(sums.n_steps(), 20 * substeps);
+        sums.for_each_sum([&](ExactSum& sum) { world.sum(sum.limbs()); });
+        double momentum = 0;
+        for (const auto& g : run.grains()) {
+            momentum += g.mass * (g.v[0] - (g.id < 29 ? 0 : 10));
+            mass += g.mass;
+        }
+        EXPECT_NEAR(sums.wall_impulse(0)[0] + sums.wall_impulse(1)[0], -momentum, 1e-9 * mass);
+    }
+}
+
+TEST_F(Watch, EnergyFromWrongImpulsesIsMeasuredAndNamed) {
+    // Impulses that the grains never had, as a damaged store might hold them, and one sweep that can not take them back.
+    // Of three in a row, the contact of the first two comes first, so that some of what the other gave to the middle one
+    // has gone on to the first when that is taken back: 3/16 r²/m stay (by the impacts, one after the other).
+    SceneBuilder b;
+    b.floor(100);
+    std::vector<ContactRow<2>> impulses;
+    for (int k = 0; k < 12; ++k) {
+        for (int j = 0; j < 3; ++j) {
+            b.grain(0.5, {7.0 * k - 42 + j, 0.5});
+        }
+        impulses.push_back({3 * k + 1, 3 * k + 2, k == 9 ? 4e4 : 1e3, {0}});
+    }
+    b.stage(test::solver(0.01, 1));
+    auto scene = b.scene();
+    scene.watch.energy = {0.1, Then::warn};
+    const auto grains = initial_grains(scene);
+    WatchedRun run(world, scene, grains, impulses);
+    const Energies before = energies(run.simulation());
+    EXPECT_EQ(run.steps(1), "");
+    const Energies after = energies(run.simulation());
+    const auto& s = run.simulation();
+    const double scale = before.kinetic + s.total_mass() * test::standard_gravity * s.mean_radius();
+    const double growth = (after.kinetic + after.potential - before.kinetic - before.potential) / scale;
+    ASSERT_GT(growth, 0.1) << "no energy came: too easy";
+    EXPECT_NEAR(run.memory().largest_growth, growth, 1e-12 * growth);
+    EXPECT_EQ(run.found(Watched::energy), 1);
+    ASSERT_EQ(run.lines.size(), 1u);
+    EXPECT_SAYS(run.lines[0], "energy grew without work in step 1 of stage 'stage 0' (t = 0 s), by ");
+    EXPECT_SAYS(run.lines[0], "most of it between grain");
+    EXPECT_SAYS(run.lines[0], " 28 ");
+    EXPECT_SAYS(run.lines[0], "at [2");
+    const double m = 2800 * std::numbers::pi * 0.25, given = 3.0 / 16 * (4e4 * 4e4 + 11 * 1e3 * 1e3) / m;
+    EXPECT_NEAR(growth * scale, given, 1e-3 * given) << "but for h m g, which the floor takes within the sweep";
+
+    scene.watch.energy = {growth * (1 + 1e-9), Then::stop};
+    WatchedRun under(world, scene, grains, impulses);
+    EXPECT_EQ(under.steps(5), "");
+    scene.watch.energy.limit = growth * (1 - 1e-9);
+    WatchedRun over(world, scene, grains, impulses);
+    const auto said = over.steps(5);
+    EXPECT_SAYS(said, "energy grew without work in step 1 of");
+    WatchedRun one(alone, scene, grains, impulses);
+    EXPECT_EQ(one.steps(5), said);
+}
+
+TEST_F(Watch, WorkOfWallsAndOfBondsIsNoGrowth) {
+    // A wall that starts at once brings all the energy that there is.
+    auto scene = squeezed(1, 1);
+    scene.stages[0].solver.sweeps = 200;
+    scene.watch.energy.limit = 1e-9;
+    WatchedRun pushed(world, scene);
+    EXPECT_EQ(pushed.steps(30), "");
+    EXPECT_GT(energies(pushed.simulation()).kinetic, 0);
+    EXPECT_EQ(pushed.found(Watched::energy), 0) << pushed.memory().largest_growth;
+    // Bonded pairs that attract each other over their gap, from rest: all of it is the work of bonds.
+    for (const auto& [substeps, every] : {std::pair{1, 1}, {4, 1}, {4, 4}}) {
+        SceneBuilder b(0.4);
+        b.gravity(0, 0).cohesion(0, 0, 1e4, 0.2);
+        for (int k = 0; k < 10; ++k) {
+            b.grain(0.5, {5.0 * k, 0}).grain(0.5, {5.0 * k + 1.15, 0});
+        }
+        auto settings = test::solver(0.002, 10 * substeps);
+        settings.substeps = substeps;
+        settings.geometry_every = every;
+        b.stage(settings);
+        b.scene().watch.energy.limit = 1e-9;
+        WatchedRun bonded(world, b.scene());
+        EXPECT_EQ(bonded.steps(10), "");
+        EXPECT_GT(energies(bonded.simulation()).kinetic, 0) << "nothing attracts: too easy";
+        EXPECT_EQ(bonded.found(Watched::energy), 0) << bonded.memory().largest_growth << ", substeps " << substeps;
+    }
+}
+
+TEST_F(Watch, ResidualAboveTheToleranceStepAfterStep) {
+    // Five sweeps do not settle columns of eight.
+    SceneBuilder b(0.4);
+    b.floor(100);
+    for (int k = 0; k < 6; ++k) {
+        for (int j = 0; j < 8; ++j) {
+            b.grain(0.5, {8.0 * k - 20, 0.5 + j});
+        }
+    }
+    auto settings = test::solver(0.01, 5);
+    settings.tolerance = 1e-9;
+    settings.max_sweeps = 5;
+    b.stage(settings);
+    auto scene = b.scene();
+    scene.watch.residual = {3, Then::warn};
+    WatchedRun run(world, scene);
+    EXPECT_EQ(run.steps(2), "");
+    EXPECT_EQ(run.found(Watched::residual), 0);
+    EXPECT_EQ(run.memory().unconverged_in_row, 2);
+    EXPECT_EQ(run.steps(1), "");
+    EXPECT_EQ(run.found(Watched::residual), 1);
+    ASSERT_EQ(run.lines.size(), 1u);
+    EXPECT_SAYS(run.lines[0], "above solver.tolerance = 1e-09 in 3 steps in a row, up to step 3 of stage 'stage 0'");
+    EXPECT_SAYS(run.lines[0], "grain");
+    scene.watch.residual.then = Then::stop;
+    WatchedRun stopped(world, scene);
+    const auto said = stopped.steps(10);
+    EXPECT_SAYS(said, "up to step 3 of");
+    EXPECT_EQ(stopped.simulation().stage_steps(), 2);
+    WatchedRun one(alone, scene);
+    EXPECT_EQ(one.steps(10), said);
+    scene.watch.residual.then = Then::substep;
+    scene.watch.max_substeps = 8;
+    WatchedRun divided(world, scene);
+    EXPECT_SAYS(divided.steps(10), "in 8 substeps");
+    // A row that is broken starts again from 0.
+    scene.watch.residual.then = Then::warn;
+    WatchedRun resumed(world, scene);
+    EXPECT_EQ(resumed.steps(2), "");
+    auto memory = resumed.memory();
+    memory.unconverged_in_row = 0;
+    resumed.simulation().watcher().set_memory(memory);
+    EXPECT_EQ(resumed.steps(2), "");
+    EXPECT_EQ(resumed.found(Watched::residual), 0);
+    scene.stages[0].solver.max_sweeps = 100000;
+    WatchedRun converging(world, scene);
+    memory.unconverged_in_row = 2;
+    converging.simulation().watcher().set_memory(memory);
+    EXPECT_EQ(converging.steps(5), "");
+    EXPECT_EQ(converging.memory().unconverged_in_row, 0);
+}
+
+TEST_F(Watch, ACentreOutsideTheBounds) {
+    // x = 0.25 + 2 t, out of 1 after 0.375 s, at the end of step 13 of 1/32 s (all exact in binary).
+    SceneBuilder b;
+    b.gravity(0, 0);
+    for (int k = 0; k < 8; ++k) {
+        b.grain(0.5, {-10.0 * k, 0});
+    }
+    b.grain(0.5, {0.25, 20}, {2, 0});
+    b.stage(test::solver(0.03125, 1));
+    auto scene = b.scene();
+    scene.watch.bounds = {{-100, -1}, {1, 30}, Then::stop};
+    WatchedRun run(world, scene);
+    const auto said = run.steps(100);
+    EXPECT_SAYS(said,
+                "the centre of grain 8 at [1.0625, 20] is outside watch.bounds, [-100, -1] to [1, 30], at the end of "
+                "step 13 of stage 'stage 0' (t = 0.375 s)");
+    EXPECT_EQ(run.simulation().stage_steps(), 12);
+    EXPECT_TRUE(run.simulation().undo_step());
+    EXPECT_EQ(run.grains()[8].x[0], 1.0);
+    scene.watch.bounds->then = Then::warn;
+    WatchedRun warned(world, scene);
+    EXPECT_EQ(warned.steps(16), "");
+    EXPECT_EQ(warned.found(Watched::bounds), 4);
+}
+
+TEST_F(Watch, WhatIsTooFastForOneStepIsTakenInShorterOnes) {
+    // 10 m a step, where tiles allow 1.5 m: free flight, x = 1000 t.
+    SceneBuilder b;
+    b.gravity(0, 0);
+    for (int k = 0; k < 8; ++k) {
+        b.grain(0.5, {-10.0 * k, 0});
+    }
+    b.grain(0.5, {0, 20}, {1000, 0});
+    b.stage(test::solver(0.01, 2));
+    auto scene = b.scene();
+    WatchedRun refused(world, scene);
+    const auto said = refused.steps(1);
+    EXPECT_SAYS(said,
+                "grain 8 would move more than 1.4992 m in step 1 of stage 'stage 0' (t = 0 s), from [0, 20], farther");
+    scene.watch.failure = Then::substep;
+    WatchedRun run(world, scene);
+    EXPECT_EQ(run.steps(5), "");
+    EXPECT_EQ(run.memory().divided_steps, 5);
+    EXPECT_EQ(run.memory().most_substeps, 16)
+        << "detection looks one and a half substeps ahead: 1.875 m of 8, 0.94 m of 16";
+    EXPECT_NEAR(run.grains()[8].x[0], 50, 1e-12 * 50) << "80 roundings";
+    WatchedRun one(alone, scene);
+    EXPECT_EQ(one.steps(5), "");
+    EXPECT_EQ(one.simulation().state_hash(), run.simulation().state_hash());
+    scene.watch.max_substeps = 4;
+    WatchedRun not_enough(world, scene);
+    EXPECT_SAYS(not_enough.steps(1), "(t = 0 s) in 4 substeps, from [0, 20], farther than tiles allow");
+}
+
+TEST_F(Watch, ImpulsesAreOfTheScenesOwnStepWhateverItTook) {
+    // A grain at rest on the floor: m g h, while another one is too fast for h.
+    SceneBuilder b;
+    b.floor(100).grain(0.5, {0, 0.5}).grain(0.5, {-20, 20}, {600, 0});
+    b.stage(test::solver(0.01, 4));
+    b.scene().watch.failure = Then::substep;
+    WatchedRun run(world, b.scene());
+    EXPECT_EQ(run.steps(4), "");
+    EXPECT_EQ(run.memory().divided_steps, 4) << "too easy";
+    const double m = 2800 * std::numbers::pi * 0.25, wanted = m * test::standard_gravity * 0.01;
+    const auto rows = world.all_gather(run.simulation().contact_rows());
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_NEAR(rows[0].r_n, wanted, 1e-9 * wanted);
+}
+
+TEST_F(Watch, NotANumberIsNamedAndCanBeUndone) {
+    const auto scene = overlapping(0).scene();
+    for (const bool of_spin : {false, true}) {
+        auto grains = initial_grains(scene);
+        (of_spin ? grains[7].spin[0] : grains[7].v[1]) = std::numeric_limits<double>::quiet_NaN();
+        WatchedRun run(world, scene, grains, {});
+        const auto said = run.steps(1);
+        EXPECT_SAYS(said, "the velocity of grain 7 is not finite in step 1 of stage 'stage 0' (t = 0 s), at [1070, 0]");
+        EXPECT_TRUE(run.simulation().undo_step());
+        for (const auto& contact : run.simulation().contact_rows()) {
+            EXPECT_EQ(contact.r_n, 0);
+        }
+    }
+}
+
+TEST_F(Watch, SamplesDoNotDependOnIt) {
+    auto scene = overlapping(0.6).scene();
+    scene.stages[0].until = SettleCriterion{};
+    scene.watch.overlap = {0.5, Then::substep};
+    scene.watch.failure = Then::substep;
+    WatchedRun preparing(world, scene);
+    EXPECT_EQ(preparing.steps(3), "");
+    EXPECT_EQ(preparing.memory().divided_steps, 0);
+    EXPECT_EQ(preparing.found(Watched::overlap), 3) << "it warns";
+    scene.watch.overlap.then = Then::stop;
+    WatchedRun stopped(world, scene);
+    EXPECT_SAYS(stopped.steps(3), "overlap by 0.6");
+}
+
+} // namespace
+} // namespace nappe
