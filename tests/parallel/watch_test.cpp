@@ -93,8 +93,8 @@ Scene<2> squeezed(int substeps, int geometry_every, double spacing = 1, double c
 
 TEST_F(Watch, OverlapIsFoundInTheStepThatMakesItAndUndoneToItsStart) {
     std::int64_t rebuilds_within = 0;
-    for (const auto& [substeps, every] : {std::pair{1, 1}, {4, 1}, {4, 4}, {6, 3}}) {
-        for (const double limit : {0.05, 0.2, 0.4}) {
+    for (const auto& [substeps, every] : {std::pair{1, 1}, {4, 1}, {6, 3}}) {
+        for (const double limit : {0.05, 0.4}) {
             auto scene = squeezed(substeps, every);
             scene.watch.overlap = {1e9, Then::warn};
             WatchedRun free(world, scene);
