@@ -1,7 +1,9 @@
 #include "commands/run.hpp"
 
 #include "commands/loading.hpp"
+#include "commands/prepare.hpp"
 #include "commands/restart_rules.hpp"
+#include "commands/run_totals.hpp"
 #include "commands/signals.hpp"
 #include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
@@ -56,6 +58,19 @@ Checkpoint<2> newest(const Communicator& comm, const std::filesystem::path& fold
         }
     }
     comm.throw_together<InputError>(error);
+    try { // the same on all ranks
+        totals_from(found.checkpoint->course.at("totals"));
+        if (found.checkpoint->course.at("loading").get<bool>()) {
+            found.checkpoint->course.at("recorder").at("series").size();
+            preparation_from(found.checkpoint->course.at("preparation"));
+        }
+        found.checkpoint->notes.at("stage").get<std::string>();
+    } catch (const nlohmann::json::exception& e) {
+        throw InputError(
+            fmt::format("{}: must hold what a run remembers of its course, found otherwise: {}; take it out "
+                        "of the folder",
+                        checkpoint_path(folder / "checkpoints", found.checkpoint->serial).string(), e.what()));
+    }
     return std::move(*found.checkpoint);
 }
 

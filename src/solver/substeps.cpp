@@ -134,6 +134,7 @@ bool Simulation<D>::undo_step() {
     }
     predicted_ = false;
     rebuild_due_ = false;
+    watcher_.forget_step();
     return true;
 }
 

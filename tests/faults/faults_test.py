@@ -5,6 +5,7 @@ overwritten."""
 import os
 import pathlib
 import random
+import re
 import resource
 import shutil
 import signal
@@ -12,9 +13,11 @@ import subprocess
 import time
 
 from processes import alive, children, ranks_of
-from run_kit import BAD_INPUT, DONE, LONG, FOLD, MOST, OTHER, FaultTest, call, paths, start
+from run_kit import BAD_INPUT, DONE, FOLD, LONG, MOST, NUMERICAL, OTHER, FaultTest, call, paths, sets, start
 
 from nappe_driver import Run, finish, main
+
+import h5py
 
 
 class Killed(FaultTest):
@@ -305,6 +308,55 @@ class Folders(FaultTest):
                 result = finish(process, MOST)
                 self.assertEqual(result.code, OTHER, str(result))
                 self.assertIn("raise the limit on open files (ulimit -n)", result.err)
+
+
+class Failures(FaultTest):
+    """Steps that can not be taken, or that [watch] stops (parallel.watch has what is found, and where)."""
+
+    def fails(self, *keys, ranks=2):
+        result = self.run_it(*sets(**dict(keys)), "--checkpoint-every", "50", ranks=ranks, code=NUMERICAL)
+        self.assertEqual(len(result.errors), 1, result.err)
+        self.assertIn("the state before the step that failed is in a checkpoint", result.err)
+        self.assertNotIn("summary.json", [path.name for path in self.out.iterdir()])
+        return result.errors[0]
+
+    def test_a_grain_outside_bounds_leaves_the_state_before(self):
+        # The highest centre rises while the piston pushes.
+        def highest(frame):
+            with h5py.File(self.whole.out / "frames" / frame) as file:
+                return max(file["VTKHDF/Points"][:, 1])
+
+        frames = sorted(path.name for path in (self.whole.out / "frames").iterdir())
+        first, last = highest(frames[0]), max(highest(frame) for frame in frames)
+        self.assertGreater(last, first + 0.02, "nothing rises: the case is none")
+        said = self.fails(("watch.bounds", f"{{ min = [-1, -1], max = [50, {(first + last) / 2}] }}"))
+        step = int(re.search(r"step (\d+) of stage 'push'", said)[1])
+        self.assertIn("grain ", said)
+        self.assertEqual(self.last_step(), step - 1)
+        self.assertIn(f"step {step} of", self.restart(code=NUMERICAL, ranks=3).result.errors[0])
+        run = self.restart("--set", "watch.bounds.do=warn")
+        self.assertEqual(run.summary["steps"], self.whole.summary["steps"])
+        self.assertGreater(run.summary["watch"]["bounds"], 0)
+
+    def test_warnings_change_nothing_and_are_counted_through_restarts(self):
+        keys = ("--set", "watch.overlap.limit=0.01")
+        result = self.run_it(*keys, out=self.folder / "warned")
+        warned = Run(self.folder / "warned", result)
+        self.assertEqual(warned.hash, self.whole.hash)
+        self.assertGreater(warned.summary["watch"]["overlap"], 10)
+        self.assertLess(result.err.count("warning: "), 20, "a line for every step")
+        self.run_it(*keys, "--steps", "100")
+        self.assertEqual(self.restart().summary["watch"], warned.summary["watch"])
+
+    def test_substeps_are_the_same_on_any_number_of_ranks(self):
+        keys = ("--set", "watch.overlap={ limit = 0.12, do = \"substep\" }")
+        one = Run(self.folder / "one", self.run_it(*keys, ranks=1, out=self.folder / "one"))
+        self.assertGreater(one.summary["watch"]["divided_steps"], 0)
+        self.assertLess(one.summary["overlap_max_of_rows"], 0.12)
+        self.run_it(*keys, "--steps", "77")
+        run = self.restart(ranks=3)
+        self.assertEqual(run.hash, one.hash)
+        self.assertEqual(run.summary["watch"], one.summary["watch"])
 
 
 class Clock(FaultTest):
