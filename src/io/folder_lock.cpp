@@ -108,8 +108,9 @@ void remove_remains(const std::filesystem::path& folder, bool of_the_dead_only) 
             const auto at = name.find(ours);
             pid_t process = 0;
             const char* const end = name.data() + name.size();
-            if (at == std::string::npos || std::from_chars(name.data() + at + ours.size(), end, process).ptr != end ||
-                process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH) {
+            if (at == std::string::npos ||
+                std::from_chars(name.data() + at + ours.size(), end, process).ec != std::errc() || process <= 0 ||
+                ::kill(process, 0) == 0 || errno != ESRCH) {
                 continue;
             }
         }

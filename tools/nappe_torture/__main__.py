@@ -86,7 +86,9 @@ class Campaign:
         """One blow at a random moment; what it was. None: the job was over before."""
         kind = self.chance.choice(("rank -9", "rank -9", "all -9", "mpirun -9", "rank USR1", "mpirun USR1", "mpirun USR2",
                                    "rank TERM", "mpirun TERM", "mpirun INT"))  # fmt: skip
-        moment = time.monotonic() + self.chance.uniform(0.2, 0.9) * self.options.span
+        while process.poll() is None and not ranks_of(process.pid, self.options.nappe):
+            time.sleep(0.005)
+        moment = time.monotonic() + self.chance.uniform(0, 1) * self.options.span
         in_files = self.chance.random() < 0.3  # wait for a file that is half-written
         while process.poll() is None:
             now = time.monotonic()
@@ -108,10 +110,10 @@ class Campaign:
                 pass
         return kind
 
-    def end(self, process):
+    def end(self, process, most=MOST):
         """The job must be gone soon, by itself."""
         try:
-            code = process.wait(MOST)
+            code = process.wait(most)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             raise Failure(f"a job hangs: process {process.pid}") from None
@@ -150,7 +152,8 @@ class Campaign:
         blows = 0
         while True:
             ranks = self.chance.randint(1, 5)
-            every = self.chance.choice(("1", "3", "10", "50", "1s"))
+            undisturbed = blows >= self.options.blows or sum(self.kills.values()) >= self.options.kills
+            every = "50" if undisturbed else self.chance.choice(("1", "3", "10", "50", "1s"))
             if any((out / "checkpoints").glob("*.json")):
                 what = ["restart", out, "--checkpoint-every", every]
                 self.restarts[ranks] += 1
@@ -158,9 +161,8 @@ class Campaign:
                 what = ["run", *self.scene(), "--out", out, "--checkpoint-every", every]
                 self.anew += blows > 0
             process = self.start(what, ranks)
-            undisturbed = blows >= self.options.blows or sum(self.kills.values()) >= self.options.kills
             kind = None if undisturbed else self.strike(process, out)
-            code = self.end(process)
+            code = self.end(process, MOST if kind else MOST + 100 * self.seconds)
             if kind is None:
                 if code != 0:
                     raise Failure(f"{' '.join(map(str, what))} on {ranks} ranks ended with code {code}")
@@ -187,7 +189,7 @@ def main():
     parser.add_argument("--nappe", type=os.path.abspath, help="the program [built in build/release]")
     parser.add_argument("--kills", type=int, default=200, help="how many [200]")
     parser.add_argument("--blows", type=int, default=12, help="in one run at most [12]")
-    parser.add_argument("--span", type=float, help="s from a start to a kill at most [half of an undisturbed run, or 1 s]")
+    parser.add_argument("--span", type=float, default=1.5, help="s from a start to a kill at most [1.5]")
     parser.add_argument("--seed", type=int, default=1, help="of the moments and the victims [1]")
     parser.add_argument("--scene", help="scene file [tests/support/scenes/small_fold.toml, loaded for longer]")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as of nappe run")
@@ -198,7 +200,6 @@ def main():
         options.set = ["stages.push.duration=20", "walls.piston.motion.velocity=[0.15,0]",
                        "output.measures.energy=true", *options.set]  # fmt: skip
     campaign = Campaign(options)
-    options.span = options.span or 1.5
     try:
         campaign.go()
     except Failure as failure:
