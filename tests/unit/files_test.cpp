@@ -2,6 +2,7 @@
 #include "core/error.hpp"
 #include "io/atomic_file.hpp"
 #include "io/checksum.hpp"
+#include "io/folder_lock.hpp"
 #include "io/series.hpp"
 #include "io/summary.hpp"
 #include "unit/temporary_folder.hpp"
@@ -12,6 +13,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace nappe {
 namespace {
@@ -134,6 +137,35 @@ TEST(Checksum, OfATableDoesNotDependOnItsDivision) {
     std::array<std::int64_t, 6> swapped = rows;
     std::swap(swapped[0], swapped[5]);
     EXPECT_NE(row_checksum(std::as_bytes(std::span(swapped)), 8, 0), whole) << "the order of rows must count";
+}
+
+TEST(Remains, OfDeadProcessesGoWhereOthersMayBeWriting) {
+    const test::TemporaryFolder folder;
+    const auto dead = ::fork();
+    if (dead == 0) {
+        ::_exit(0);
+    }
+    ASSERT_EQ(::waitpid(dead, nullptr, 0), dead);
+    const auto mine = temporary_name("mine.hdf").string(); // NAME.part-HOST-PROCESS
+    const auto host = mine.substr(0, mine.rfind('-'));
+    const auto of = [&](pid_t process) { return host + "-" + std::to_string(process); };
+    const std::vector<std::string> all{mine, of(dead), of(dead) + ".data.0", "other.hdf.part-elsewhere-1", "whole.hdf"};
+    for (const auto& name : all) {
+        std::ofstream(folder.path() / name) << "half";
+    }
+    const auto left = [&] {
+        std::vector<std::string> names;
+        for (const auto& name : all) {
+            if (std::filesystem::exists(folder.path() / name)) {
+                names.push_back(name);
+            }
+        }
+        return names;
+    };
+    remove_remains(folder.path(), true);
+    EXPECT_EQ(left(), (std::vector<std::string>{mine, "other.hdf.part-elsewhere-1", "whole.hdf"}));
+    remove_remains(folder.path(), false);
+    EXPECT_EQ(left(), std::vector<std::string>{"whole.hdf"});
 }
 
 } // namespace
