@@ -82,11 +82,20 @@ class Campaign:
             if not same:
                 raise Failure(f"{out / name} differs from {whole / name}")
 
+    def is_up(self, process, out):
+        """Whether rank 0 holds the folder: MPI has started on all ranks. Before that it is Open MPI's start-up that is hit,
+        which can be left waiting for a rank that is gone (docs/reliability.md)."""
+        try:
+            holder = int((out / ".lock").read_text().split()[1])
+        except (OSError, IndexError, ValueError):
+            return False
+        return holder in ranks_of(process.pid, self.options.nappe)
+
     def strike(self, process, out):
         """One blow at a random moment; what it was. None: the job was over before."""
         kind = self.chance.choice(("rank -9", "rank -9", "all -9", "mpirun -9", "rank USR1", "mpirun USR1", "mpirun USR2",
                                    "rank TERM", "mpirun TERM", "mpirun INT"))  # fmt: skip
-        while process.poll() is None and not ranks_of(process.pid, self.options.nappe):
+        while process.poll() is None and not self.is_up(process, out):
             time.sleep(0.005)
         moment = time.monotonic() + self.chance.uniform(0, 1) * self.options.span
         in_files = self.chance.random() < 0.3  # wait for a file that is half-written
