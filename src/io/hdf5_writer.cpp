@@ -48,9 +48,12 @@ std::string prepare(const Communicator& comm, const std::string& path, const Hdf
     // A rank that does not see the file would fail alone inside MPI-IO, and the others would wait for it.
     error = error_of([&] { const FileDescriptor seen(path, O_RDWR); });
     if (!error.empty()) {
-        error = fmt::format("rank {} does not see a file that rank 0 has created ({}); write to a file system that all "
-                            "nodes share",
-                            comm.rank(), error);
+        error = comm.is_root() ? fmt::format("the file was taken away as soon as it was created ({}); nothing else may "
+                                             "move or remove what is in a run's folder",
+                                             error)
+                               : fmt::format("rank {} does not see a file that rank 0 has created ({}); write to a file "
+                                             "system that all nodes share",
+                                             comm.rank(), error);
     }
     return comm.first_error(error);
 }

@@ -23,10 +23,11 @@ DIP, TIP, SPEED = math.radians(30), (100.0, 0.0), 0.5  # of the fault that is ma
 
 
 def run(*command, code=0):
-    """Its output, both streams; the exit code must be the one named."""
-    done = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    assert done.returncode == code, f"{command} returned {done.returncode}, not {code}:\n{done.stdout}"
-    return done.stdout
+    """Its output, or what it says on standard error if it fails, with the exit code named. Libraries may say something
+    there at any time: matplotlib does when it looks for fonts for the first time, on a slow machine."""
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    assert done.returncode == code, f"{command} returned {done.returncode}, not {code}:\n{done.stdout}\n{done.stderr}"
+    return done.stdout + (done.stderr if code else "")
 
 
 def has_colour(picture, colour):

@@ -250,7 +250,8 @@ class Files(FaultTest):
 
 class Folders(FaultTest):
     def test_two_runs_in_one_folder(self):
-        first = self.start("--set", "stages.push.duration=2000", "--checkpoint-every", "20")
+        first = self.start(*sets(stages__push__duration=2000, walls__piston__motion__velocity="[0.001, 0]"),
+                           "--checkpoint-every", "20")  # fmt: skip
         self.wait(first, self.checkpoints)
         try:
             for arguments in (
@@ -284,13 +285,14 @@ class Folders(FaultTest):
         self.assertEqual(self.checkpoints(), [], "a restart would go on with the run that was thrown away")
 
     def test_the_folder_vanishes(self):
-        process = self.start("--set", "stages.push.duration=2000", "--checkpoint-every", "5")
+        process = self.start("--checkpoint-every", "5")
         self.wait(process, lambda: self.rows() > 3)
         self.out.rename(self.folder / "elsewhere")
         result = finish(process, MOST)
         self.assertEqual(result.code, OTHER, str(result))
         self.assertEqual(len(result.errors), 1, result.err)
-        self.assertIn("create the folder", result.errors[0])
+        # Most often it is to create the folder; but the folder may go while a file is in the making.
+        self.assertIn("No such file or directory", result.errors[0])
         (self.folder / "elsewhere").rename(self.out)
         self.assertEqual(self.restart("--steps", self.last_step() + 5).summary["restarts"], 1)
 
@@ -361,16 +363,17 @@ class Failures(FaultTest):
 
 class Clock(FaultTest):
     def test_goes_backwards(self):
-        os.environ["LD_PRELOAD"] = os.environ["NAPPE_CLOCK"]
+        before = os.environ.get("LD_PRELOAD", "")
+        os.environ["LD_PRELOAD"] = f"{os.environ['NAPPE_CLOCK']} {before}"
         try:
-            result = self.run_it("--checkpoint-every", "1s", "--set", "stages.push.solver.sweeps=400", ranks=0)
+            result = finish(self.start("--checkpoint-every", "1s", ranks=0))
         finally:
-            del os.environ["LD_PRELOAD"]
+            os.environ["LD_PRELOAD"] = before
+        self.assertEqual(result.code, DONE, str(result))
         hours = {line[1:3] for line in result.err.splitlines() if line.startswith("[")}
         self.assertGreater(len(hours), 1, "the clock did not jump: the case is none")
         run = Run(self.out, result)
-        whole = self.run_it("--set", "stages.push.solver.sweeps=400", out=self.folder / "whole")
-        self.assert_same(Run(self.folder / "whole", whole), run)
+        self.assert_same(self.whole, run)
         self.assertGreater(run.summary["checkpoints"]["written"], 0)
         self.assertGreater(run.summary["seconds_total"], 0)
         self.assertLess(run.summary["seconds_total"], 300)

@@ -2,6 +2,7 @@
 it has been taken up again."""
 
 import json
+import os
 import pathlib
 import shutil
 import sys
@@ -13,7 +14,7 @@ from same_files import SameFiles  # noqa: E402
 
 FOLD = SCENES / "small_fold.toml"
 DONE, OTHER, BAD_INPUT, STOPPED, NUMERICAL = 0, 1, 2, 3, 4
-# Four times the scene's own loading, as far: about a second alone.
+# Four times the scene's own loading, as far.
 LONG = sets(stages__push__duration=6, walls__piston__motion__velocity="[0.25, 0]")
 MOST = 60  # s that a job may take to end after one of its ranks died; it takes two or three on an idle machine
 
@@ -32,9 +33,11 @@ class FaultTest(SameFiles):
         self.out = self.folder / "out"
 
     def start(self, *arguments, ranks=2, out=None):
+        """On a slow network (slow_network.cpp): a second at least, however fast the machine, for a moment to come in."""
         return start(
-            ["run", FOLD, *LONG, "--out", out or self.out, "--samples", self.samples, *arguments], ranks, self.folder
-        )
+            ["run", FOLD, *LONG, "--out", out or self.out, "--samples", self.samples, *arguments], ranks, self.folder,
+            LD_PRELOAD=f"{os.environ['NAPPE_SLOW_NETWORK']} {os.environ.get('LD_PRELOAD', '')}",
+        )  # fmt: skip
 
     def run_it(self, *arguments, ranks=2, out=None, code=DONE):
         result = call(

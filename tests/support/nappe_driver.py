@@ -42,11 +42,11 @@ def command(arguments, ranks):
     return program if ranks == 0 else [paths.mpirun, "-n", str(ranks), *program]
 
 
-def start(arguments, ranks=0, folder=None):
+def start(arguments, ranks=0, folder=None, **environment):
     return subprocess.Popen(
         command(arguments, ranks),
         cwd=folder,
-        env=dict(os.environ, NAPPE_YIELD="1"),
+        env=dict(os.environ, NAPPE_YIELD="1", **environment),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
