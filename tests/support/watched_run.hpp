@@ -78,4 +78,33 @@ inline void expect_same_places(const std::vector<GrainRow<2>>& found, const std:
 
 #define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
+/// Walls close on a row: overlaps grow until they pass the limit in one step and not in the one before, which observables
+/// measure between steps.
+inline Scene<2> squeezed(int substeps, int geometry_every, double spacing = 1, double correction = 0) {
+    SceneBuilder b(0.4);
+    b.gravity(0, 0);
+    Motion<2> inwards;
+    inwards.stage = 0;
+    inwards.velocity = {1.5, 0};
+    b.moving_wall("left", {{0, 3}, {0, -3}}, inwards);
+    inwards.velocity = {-1.5, 0};
+    b.moving_wall("right", {{1.1 + 28 * spacing, -3}, {1.1 + 28 * spacing, 3}}, inwards);
+    for (int k = 0; k < 29; ++k) {
+        b.grain(0.5, {0.55 + spacing * k, 0});
+    }
+    for (int k = 0; k < 110; ++k) { // in every quarter of a step one goes into another tile
+        b.grain(0.5, {-700 + (2 * 2.7 + 0.025) * k, 8}, {10, 0});
+    }
+    auto settings = solver(0.01, 4 * substeps);
+    settings.substeps = substeps;
+    settings.geometry_every = geometry_every;
+    settings.position_correction = correction;
+    b.stage(settings);
+    auto scene = b.scene();
+    scene.tiles.side = 2.7;
+    scene.tiles.skin = 0.02; // rebuilds at every other moment, within steps too
+    scene.tiles.lookahead = 0.5;
+    return scene;
+}
+
 } // namespace nappe::test
