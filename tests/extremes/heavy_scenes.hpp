@@ -109,7 +109,7 @@ inline HeavyScene bed(const char* name, double ratio, int n, double size) {
     }
     const double sine = r / (big + r);
     b.grain(big, {r * n, r + 2 * rise + std::sqrt(1 - sine * sine) * (big + r)}, {0, 0}, 0, heavy);
-    HeavyScene scene{name, ratio, b.scene(), {}, n + 1};
+    HeavyScene scene{name, ratio, b.scene(), {}, n + 1.0};
     scene.weight = (count + ratio) * disk_mass(r, light_density) * standard_gravity;
     scene.known.push_back({-1, wall_id(0), scene.weight}); // of any grain on the floor
     return scene;
