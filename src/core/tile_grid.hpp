@@ -39,7 +39,7 @@ public:
     /// Whether a position is one the grid can name (finite, and within 2^(bits-2) tiles of the origin).
     bool in_range(const Vec<D>& x) const {
         for (int d = 0; d < D; ++d) {
-            if (!(std::abs((x[d] - origin_[d]) / side_) < static_cast<double>(offset / 2))) {
+            if (!(std::abs((x[d] - origin_[d]) / side_) < furthest)) {
                 return false;
             }
         }
@@ -79,7 +79,7 @@ public:
     /// The tile itself and those around it, in the order of their keys.
     static std::array<TileKey, n_ring> ring(TileKey key) {
         const auto centre = unpack(key);
-        std::array<TileKey, n_ring> keys;
+        std::array<TileKey, n_ring> keys{};
         for (int i = 0; i < n_ring; ++i) {
             Coordinates c;
             int rest = i;
@@ -119,6 +119,7 @@ private:
     static constexpr int bits = 64 / D;
     static constexpr TileKey mask = (TileKey{1} << bits) - 1;
     static constexpr std::int64_t offset = std::int64_t{1} << (bits - 1);
+    static constexpr auto furthest = static_cast<double>(std::int64_t{1} << (bits - 2));
 
     Vec<D> origin_;
     double side_;

@@ -112,6 +112,7 @@ bool Domain<D>::settle_tiles(const State<D>& state, const std::vector<Mover>& mo
             std::int64_t rank;
         };
         std::vector<Claim> mine;
+        mine.reserve(fresh.size());
         for (const TileKey key : fresh) {
             mine.push_back({key, comm_.rank()});
         }

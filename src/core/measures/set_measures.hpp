@@ -74,7 +74,7 @@ public:
 
 private:
     // Of sums_: moment and fabric row-major, then single ones.
-    static constexpr std::size_t fabric_at = D * D, share_at = 2 * D * D, overlap_at = share_at + 1,
+    static constexpr std::size_t fabric_at = std::size_t{D} * D, share_at = 2 * fabric_at, overlap_at = share_at + 1,
                                  area_at = share_at + 2, room_at = share_at + 3, n_sums = share_at + 4;
 
     double sum(std::size_t k) const { return sums_[k].value(); }
