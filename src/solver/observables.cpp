@@ -66,7 +66,7 @@ std::vector<CellShape<D>> cell_shapes(const Simulation<D>& simulation) {
     const auto& state = simulation.state();
     const std::size_t n = simulation.scene().output.cells.size();
     constexpr double none = -std::numeric_limits<double>::infinity();
-    std::vector<double> reach(2 * D * n, none); // largest x, largest -x, …
+    std::vector<double> reach(n * 2 * D, none); // largest x, largest -x, …
     std::vector<std::int64_t> count(n, 0);
     std::vector<ExactSum> volume(n);
     for (LocalId i = 0; i < state.n_own; ++i) {
