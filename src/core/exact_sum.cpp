@@ -46,7 +46,7 @@ double ExactSum::value() const {
         return std::numeric_limits<double>::quiet_NaN();
     }
     // Carry so that every limb but the top one is in [0, 2^32); the sign is then that of the top limb.
-    std::array<std::int64_t, n_limbs> digits{};
+    std::array<std::int64_t, n_limbs> digits;
     std::int64_t carry = 0;
     for (int k = 0; k < n_limbs; ++k) {
         const std::int64_t total = limbs_[k] + carry;

@@ -164,7 +164,7 @@ private:
     }
 
     Spot<D> spot(LocalId i) const {
-        Spot<D> s{};
+        Spot<D> s;
         for (int d = 0; d < D; ++d) {
             s.x[d] = state_.x_ref[i][d];
         }

@@ -79,7 +79,7 @@ public:
     /// The tile itself and those around it, in the order of their keys.
     static std::array<TileKey, n_ring> ring(TileKey key) {
         const auto centre = unpack(key);
-        std::array<TileKey, n_ring> keys{};
+        std::array<TileKey, n_ring> keys;
         for (int i = 0; i < n_ring; ++i) {
             Coordinates c;
             int rest = i;

@@ -117,7 +117,7 @@ private:
     };
     /// Another holder, and the grains held by both.
     struct Neighbour {
-        int rank = -1;
+        int rank;
         std::vector<std::int32_t> common; ///< into shared_
         std::vector<std::byte> out, in;   ///< what each tells the other: a check of the ids, ColourBits of each grain
     };

@@ -131,7 +131,7 @@ NAPPE_INLINE void relax_all_single(const BatchSpan& batches, SingleBatch* contac
     const float mu = static_cast<float>(batches.mu);
     for (std::int64_t k = 0; k < batches.n; ++k) {
         SingleBatch& batch = contacts[k];
-        for (int line = 0; line < static_cast<int>(sizeof(SingleBatch) / 64); ++line) {
+        for (std::size_t line = 0; line < sizeof(SingleBatch) / 64; ++line) {
             __builtin_prefetch(reinterpret_cast<const char*>(contacts + k + batches_ahead) + 64 * line, 1);
         }
         for (int line = 0; line < lines_per_batch && soon.begin < soon.end; ++line) {

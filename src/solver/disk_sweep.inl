@@ -48,7 +48,7 @@ NAPPE_INLINE Impulses feasible(const BatchSpan& batches, std::int64_t k, int l, 
 NAPPE_INLINE void fetch(const BatchSpan& batches, std::int64_t k, bool tangent, const double* u, BodyRange& soon) {
     constexpr int doubles_per_line = 8, lines_per_batch = 3; // of a cache; own bodies of a tile are two a batch
     constexpr int batches_ahead = 8;                         // about 200 ns: what memory takes
-    for (int line = 0; line < static_cast<int>(sizeof(DiskBatch) / 64); ++line) {
+    for (std::size_t line = 0; line < sizeof(DiskBatch) / 64; ++line) {
         __builtin_prefetch(reinterpret_cast<const char*>(batches.contacts + k + batches_ahead) + 64 * line, 1);
     }
     if (tangent) {

@@ -15,7 +15,7 @@ namespace {
 
 template <int D>
 std::array<double, D> array_of(const Vec<D>& v) {
-    std::array<double, D> a{};
+    std::array<double, D> a;
     for (int d = 0; d < D; ++d) {
         a[static_cast<std::size_t>(d)] = v[d];
     }

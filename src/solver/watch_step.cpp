@@ -22,7 +22,7 @@ template <int D, bool several>
 EnergyGauge gauge_grains(const State<D>& state, const Vec<D>& gravity, const Tile& tile, double h, double theta,
                          const StepStart<D>* start) {
     const double before = h * (1 - theta), after = h * theta;
-    std::array<double, D> g{};
+    std::array<double, D> g;
     for (int d = 0; d < D; ++d) {
         g[d] = gravity[d];
     }
