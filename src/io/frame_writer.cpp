@@ -93,6 +93,7 @@ template <int D>
 void add_walls(const Communicator& comm, const std::vector<FrameWall<D>>& walls, Hdf5Content& content) {
     content.groups.push_back("/walls");
     std::vector<std::string> names;
+    names.reserve(walls.size());
     for (const auto& wall : walls) {
         names.push_back(wall.name);
     }

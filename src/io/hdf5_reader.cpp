@@ -73,7 +73,7 @@ std::string Hdf5Reader::text(const std::string& object, const std::string& attri
     }
     std::string value(H5Tget_size(type.get()), '\0');
     hdf5_check(H5Aread(opened.get(), type.get(), value.data()), "attribute " + attribute + " can not be read");
-    return value.c_str(); // null padded
+    return value.substr(0, value.find('\0')); // null padded
 }
 
 } // namespace nappe

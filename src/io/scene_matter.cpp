@@ -20,6 +20,7 @@ constexpr std::size_t most_single_grains = 100'000;
 template <class Named>
 std::vector<std::string> names_of(const std::vector<Named>& things) {
     std::vector<std::string> names;
+    names.reserve(things.size());
     for (const auto& thing : things) {
         names.push_back(thing.name);
     }

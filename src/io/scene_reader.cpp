@@ -81,6 +81,7 @@ Scene<2> parse_scene_with(std::string_view text, std::string_view file_name,
 
 Scene<2> parse_scene(std::string_view text, std::string_view file_name, const std::vector<std::string>& overrides) {
     std::vector<SceneOverride> placed;
+    placed.reserve(overrides.size());
     for (const auto& override_text : overrides) {
         placed.push_back({override_text, ""});
     }

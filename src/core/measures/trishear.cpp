@@ -118,7 +118,7 @@ bool trishear_inside(const Trishear& model, const Vec<2>& drive, const Vec<2>& x
 
 TrishearFit fit_trishear(std::span<const VelocityAt> data, const Vec<2>& drive, const TrishearBounds& bounds) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    TrishearFit nothing{{{unknown, unknown}, unknown, unknown}, unknown, unknown};
+    const TrishearFit nothing{{{unknown, unknown}, unknown, unknown}, unknown, unknown};
     if (data.size() < 8 || !(drive.norm() > 0)) {
         return nothing;
     }
