@@ -150,6 +150,7 @@ std::vector<KernelFigures> compare(const std::vector<Contender>& kernels, const 
     const auto fastest = std::min_element(kernels.begin(), kernels.end(),
                                           [&](const auto& p, const auto& q) { return median(p) < median(q); });
     std::vector<KernelFigures> figures;
+    figures.reserve(kernels.size());
     for (const auto& c : kernels) {
         figures.push_back({c.name, c.sweeps, quartiles(c.ns), quartiles(ratios(kernels.front().ns, c.ns)),
                            quartiles(ratios(c.ns, fastest->ns)), quartiles(ratios(c.ns, triad.ns))});

@@ -35,7 +35,7 @@ std::string caches() {
     }
 }
 
-std::string or_unknown(std::string text) {
+std::string or_unknown(const std::string& text) {
     return text.empty() ? "unknown" : text;
 }
 

@@ -113,7 +113,7 @@ FlowMeasurer::FlowMeasurer(const Communicator& comm, const Scene<2>& scene, std:
     : comm_(comm), scene_(scene), folder_(std::move(folder)) {
     comm_.throw_together<SystemError>(comm_.is_root() ? make_folder(folder_ / "fields") : std::string());
     if (comm_.is_root()) {
-        const auto series = [&](const char* name, std::vector<std::string> columns) {
+        const auto series = [&](const char* name, const std::vector<std::string>& columns) {
             return std::make_unique<SeriesWriter>(folder_ / name, columns);
         };
         surface_series_ = series("surface.csv", {"front", "crest", "slope", "slope_residual", "curvature"});

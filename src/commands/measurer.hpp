@@ -22,6 +22,7 @@ public:
     Measurer(const Communicator& comm, const Scene<2>& scene, const std::filesystem::path& folder);
     Measurer(const Measurer&) = delete; // flow_ refers to scene_
     Measurer& operator=(const Measurer&) = delete;
+    ~Measurer() = default;
 
     /// **Collective.** One row in every series. Frames come in the order of time, that of step 0 first: sets of grains
     /// are what they are then. Positions as files have them. Throws InputError if the first is another or empty,

@@ -32,7 +32,7 @@ Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folde
 }
 
 void Recorder::open_series(const nlohmann::ordered_json* state) {
-    const auto open = [&](const std::string& name, std::vector<std::string> columns) {
+    const auto open = [&](const std::string& name, const std::vector<std::string>& columns) {
         const auto path = folder_ / "series" / (name + ".csv");
         return state != nullptr ? SeriesWriter(path, columns, state->at("series").at(name).get<std::int64_t>())
                                 : SeriesWriter(path, columns);

@@ -198,6 +198,7 @@ TradeFigures over_seeds(const std::vector<TradeFigures>& runs) {
     TradeFigures all;
     for (const auto& column : trade_columns) {
         std::vector<double> values;
+        values.reserve(runs.size());
         for (const auto& run : runs) {
             values.push_back(run.*column.value);
         }

@@ -40,6 +40,7 @@ std::int64_t steps_of(const Scene<2>& scene, const std::optional<double>& durati
 std::vector<SceneOverride> common_overrides(const std::vector<std::string>& overrides, const Scene<2>& plain,
                                             std::int64_t seed) {
     std::vector<SceneOverride> keys;
+    keys.reserve(overrides.size());
     for (const auto& text : overrides) {
         keys.push_back({text, ""});
     }
