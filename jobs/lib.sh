@@ -8,7 +8,7 @@
 nappe=${NAPPE:-build/cluster/nappe}
 # mpirun of an Open MPI built with Slurm support takes nodes and ranks from the allocation. Where the cluster's srun starts
 # MPI programs itself (srun --mpi=list names pmix): MPIRUN="srun --mpi=pmix --cpu-bind=cores"
-read -ra launcher <<<"${MPIRUN:-mpirun --bind-to core --map-by core}"
+read -ra launcher <<<"${MPIRUN:-mpirun -q --bind-to core --map-by core}"
 max_restarts=${MAX_RESTARTS:-50}
 wall_margin=${WALL_MARGIN:-30} # s before the time limit at which nappe stops by its own clock if no signal came
 

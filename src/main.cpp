@@ -10,8 +10,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <new>
 
 namespace {
 
@@ -242,6 +244,13 @@ int guarded(const nappe::Communicator& world, const CLI::App& app, Arguments& ar
         return failed(world, e.what(), ExitCode::numerical_failure);
     } catch (const nappe::SystemError& e) {
         return failed(world, e.what(), ExitCode::other);
+    } catch (const std::bad_alloc&) {
+        std::fprintf(
+            stderr,
+            "nappe: rank %d: there must be memory for the rank's part of the scene, found too little; nappe check "
+            "says what a scene needs: take more ranks on more nodes, or fewer grains\n",
+            world.rank());
+        world.abort(static_cast<int>(ExitCode::other));
     } catch (const std::exception& e) {
         // Not one that ranks agreed on: the others may be waiting, so the whole job ends here.
         std::fprintf(stderr, "nappe: rank %d: %s\n", world.rank(), e.what());
@@ -252,6 +261,7 @@ int guarded(const nappe::Communicator& world, const CLI::App& app, Arguments& ar
 } // namespace
 
 int main(int argc, char** argv) {
+    std::signal(SIGXFSZ, SIG_IGN); // a limit on file sizes is an error of the write, which is told in words
     nappe::MpiSession mpi(argc, argv);
     const nappe::Communicator world;
     CLI::App app;

@@ -98,6 +98,9 @@ std::uint32_t Checkpointer::wishes() {
         if (settings_.policy.seconds > 0 && now - last_time_ >= settings_.policy.seconds) {
             bits |= due_bit;
         }
+        if (settings_.at_once && !never() && written_ + failed_ == 0) {
+            bits |= due_bit;
+        }
         // Twice what a step and a checkpoint took so far must still fit in.
         const double needed = 2 * (longest_step_ + longest_write_);
         if (settings_.wall_time && now - started_ + needed >= *settings_.wall_time) {

@@ -29,7 +29,8 @@ double parse_wall_time(const std::string& text);
 
 struct CheckpointSettings {
     CheckpointPolicy policy;
-    std::optional<double> wall_time; ///< [s] since the start of the program: the run ends itself before
+    std::optional<double> wall_time; ///< [s] since the run began, after MPI did: the run ends itself before
+    bool at_once = false;            ///< after the first step, too
 };
 
 /// Asked before each step for what it wishes of all ranks, and after it what they agreed on. Signals, clocks and the disk
@@ -63,6 +64,7 @@ public:
     void keep(std::int64_t serial) { last_ = serial; }
 
     bool never() const { return settings_.policy.never(); }
+    bool any() const { return last_ > 0; }            ///< whether there is one to go on from
     std::int64_t written() const { return written_; } ///< by this process
     std::int64_t failed() const { return failed_; }
     double seconds() const { return seconds_; } ///< spent writing, on this rank
@@ -80,7 +82,7 @@ private:
     std::uint64_t key_;
     CheckpointSettings settings_;
     std::function<double()> now_;
-    double started_ = 0;      ///< of the program [s]
+    double started_ = 0;      ///< of the run [s]
     double last_time_ = 0;    ///< of the last checkpoint
     double step_started_ = 0; ///< 0: none yet
     double longest_step_ = 0;

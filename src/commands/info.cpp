@@ -1,8 +1,10 @@
 #include "commands/info.hpp"
 
 #include "io/checkpoint_store.hpp"
+#include "io/folder_lock.hpp"
 #include "io/hdf5_reader.hpp"
 #include "io/stored_rows.hpp"
+#include "io/summary.hpp"
 
 #include <fmt/format.h>
 
@@ -62,16 +64,20 @@ void describe_frame(const std::filesystem::path& path) {
 }
 
 std::string state_of_run(const std::filesystem::path& folder, bool has_checkpoint) {
+    if (const auto holder = FolderLock::holder_of(folder); !holder.empty()) {
+        return "running: " + holder;
+    }
     std::ifstream file(folder / "summary.json");
     const auto summary = nlohmann::ordered_json::parse(file, nullptr, false);
     if (!summary.is_object()) {
-        return has_checkpoint ? "running, or died: nappe restart goes on from the newest sound checkpoint"
-                              : "running, or died before its first checkpoint";
+        return has_checkpoint ? "failed or killed: nappe restart goes on from the newest sound checkpoint"
+                              : "failed or killed before its first checkpoint";
     }
-    say("title", summary.value("title", std::string()));
-    say("steps", fmt::format("{}", summary.value("steps", std::int64_t{0})));
-    say("state hash", summary.value("state_hash", std::string()));
-    return summary.value("stopped_early", false) ? "stopped: nappe restart goes on" : "come to its end";
+    say("title", value_of(summary, "title", std::string()));
+    say("steps", fmt::format("{}", value_of(summary, "steps", std::int64_t{0})));
+    say("state hash", value_of(summary, "state_hash", std::string()));
+    const std::string state = value_of(summary, "stopped_early", false) ? "stopped early" : "come to its end";
+    return state + (has_checkpoint ? "; nappe restart goes on with what is left of its scene" : "");
 }
 
 /// The folder of a run. @returns whether it is one
@@ -98,10 +104,21 @@ bool describe_run(const std::filesystem::path& folder) {
         const auto& notes = file.manifest.notes;
         say("checkpoint", file.reason.empty()
                               ? fmt::format("{}: stage '{}', step {}, t = {} s", path.string(),
-                                            shown(notes.at("stage")), shown(notes.at("step")), shown(notes.at("time")))
+                                            value_of(notes, "stage", std::string("?")),
+                                            value_of(notes, "step", std::int64_t{-1}), value_of(notes, "time", 0.0))
                               : fmt::format("{}: not sound: {}", path.string(), file.reason));
     }
     return true;
+}
+
+/// Whether a manifest can be read from it.
+bool checkpoint_or_sample(const std::filesystem::path& manifest) {
+    try {
+        parse_manifest(read_text(manifest));
+        return true;
+    } catch (const std::exception&) {
+        return false;
+    }
 }
 
 /// On the root. What is wrong, or nothing.
@@ -112,12 +129,17 @@ std::string describe(const std::filesystem::path& path) {
     if (std::filesystem::is_directory(path, none)) {
         return describe_run(path) ? std::string() : fmt::format("{}: {}, found another folder", path.string(), rule);
     }
+    if (std::filesystem::exists(path, none) && !std::filesystem::is_regular_file(path, none)) {
+        return fmt::format("{}: {}, found something else than a file", path.string(), rule);
+    }
     if (!std::filesystem::exists(path, none)) {
         return fmt::format("{}: {}, found nothing of that name; check the path", path.string(), rule);
     }
     auto file = path;
     file.replace_extension(".hdf");
-    if (std::filesystem::exists(manifest_path(file), none)) {
+    // Any .json may be beside a name: a manifest is what has its file, or calls itself one.
+    if (std::filesystem::exists(manifest_path(file), none) &&
+        (std::filesystem::exists(file, none) || checkpoint_or_sample(manifest_path(file)))) {
         const auto reason = describe_stored(file);
         return reason.empty()
                    ? std::string()

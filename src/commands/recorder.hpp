@@ -21,14 +21,15 @@ namespace nappe {
 class Recorder {
 public:
     /// **Collective.** Makes the folders, so that a place that can not be written is known before anything is computed;
-    /// takes away what would pass for this run's until it is finished — summary, indices and checkpoints of an older one —
+    /// takes away what would pass for this run's — frames, series, summary, indices and checkpoints of an older one —
     /// and what a run that died left half-written. Throws SystemError.
     static void claim(const Communicator& comm, const std::filesystem::path& folder,
                       const std::filesystem::path& samples);
 
-    /// **Collective.** The same for a run that goes on: only its summary and half-written files go.
+    /// **Collective.** The same for a run that goes on: only its summary and half-written files go, and nothing if its
+    /// series have lost rows. @param samples needed only while it is being prepared
     static void reclaim(const Communicator& comm, const std::filesystem::path& folder,
-                        const std::filesystem::path& samples);
+                        const nlohmann::ordered_json& course, const std::filesystem::path& samples);
 
     /// **Collective.** Pre: claim. Throws SystemError. @param state goes on where it was taken (`state`, pre: reclaim): series
     /// are cut to what they were then and frames of later steps go; SystemError if files are not what they were.

@@ -20,9 +20,13 @@ namespace nappe {
 namespace {
 
 /// On the root. Folders that can be written, without what died processes left in them; what is wrong, or nothing.
+/// @param samples none: the sample is there already, and no other is to be made
 std::string make_folders(const std::filesystem::path& folder, const std::filesystem::path& samples) {
     std::error_code code;
     for (const auto& part : {folder / "frames", folder / "series", samples}) {
+        if (part.empty()) {
+            continue;
+        }
         std::filesystem::create_directories(part, code);
         if (code || ::access(part.c_str(), W_OK) != 0) {
             return fmt::format("{}: must be a folder that can be written, found: {}; choose another --out or --samples",
@@ -33,7 +37,43 @@ std::string make_folders(const std::filesystem::path& folder, const std::filesys
         remove_remains(folder / part, false);
     }
     remove_orphans(folder / "checkpoints");
-    remove_remains(samples, true);
+    if (!samples.empty()) {
+        remove_remains(samples, true);
+    }
+    return {};
+}
+
+/// On the root. Results of the run before, which would be taken for the next one's.
+void remove_results(const std::filesystem::path& folder) {
+    std::error_code ignored;
+    std::vector<std::filesystem::path> old;
+    const auto collect = [&](const char* part, std::string_view before, const char* kind) {
+        for (const auto& entry : std::filesystem::directory_iterator(folder / part, ignored)) {
+            if (entry.path().filename().string().starts_with(before) && entry.path().extension() == kind) {
+                old.push_back(entry.path());
+            }
+        }
+    };
+    collect("frames", "frame-", ".hdf");
+    collect("series", "", ".csv");
+    for (const auto& path : old) {
+        std::filesystem::remove(path, ignored);
+    }
+}
+
+/// On the root. Whether series are as long as the checkpoint says: before any is cut. What is wrong, or nothing.
+std::string lost_rows(const std::filesystem::path& folder, const nlohmann::ordered_json& bytes_of) {
+    for (const auto& [name, bytes] : bytes_of.items()) {
+        const auto path = folder / "series" / (name + ".csv");
+        std::error_code missing;
+        const auto found = std::filesystem::file_size(path, missing);
+        if (missing || found < bytes.get<std::uintmax_t>()) {
+            return fmt::format("{}: must hold the {} bytes it had at the checkpoint, found {}: rows are lost; put the "
+                               "file back, or run the scene anew in another folder",
+                               path.string(), bytes.get<std::uintmax_t>(),
+                               missing ? "no file" : fmt::format("{}", found));
+        }
+    }
     return {};
 }
 
@@ -49,6 +89,7 @@ void Recorder::claim(const Communicator& comm, const std::filesystem::path& fold
             for (const auto serial : checkpoint_serials(folder / "checkpoints")) {
                 remove_checkpoint(folder / "checkpoints", serial);
             }
+            remove_results(folder);
             for (const auto* file : {"checkpoints", "summary.json", "run.xdmf", "contacts.xdmf", "scene.toml"}) {
                 std::filesystem::remove(folder / file, ignored);
             }
@@ -59,12 +100,18 @@ void Recorder::claim(const Communicator& comm, const std::filesystem::path& fold
 }
 
 void Recorder::reclaim(const Communicator& comm, const std::filesystem::path& folder,
-                       const std::filesystem::path& samples) {
+                       const nlohmann::ordered_json& course, const std::filesystem::path& samples) {
     std::string error;
     if (comm.is_root()) {
-        error = make_folders(folder, samples);
-        std::error_code ignored;
-        std::filesystem::remove(folder / "summary.json", ignored);
+        const bool loading = course.at("loading").get<bool>();
+        error = loading ? lost_rows(folder, course.at("recorder").at("series")) : std::string();
+        if (error.empty()) {
+            error = make_folders(folder, loading ? std::filesystem::path() : samples);
+        }
+        if (error.empty()) {
+            std::error_code ignored;
+            std::filesystem::remove(folder / "summary.json", ignored);
+        }
     }
     comm.throw_together<SystemError>(error);
 }

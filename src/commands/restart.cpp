@@ -7,6 +7,7 @@
 #include "commands/signals.hpp"
 #include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
+#include "io/summary.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,15 +31,19 @@ std::optional<std::uint64_t> key_of_folder(const std::filesystem::path& folder) 
 /// On the root. Steps of loading that the run in the folder has come to its end with; none if it has not.
 std::optional<std::int64_t> steps_at_end(const std::filesystem::path& folder) {
     std::ifstream file(folder / "summary.json");
-    const auto summary = nlohmann::json::parse(file, nullptr, false);
-    if (!summary.is_object() || summary.value("stopped_early", true) || !summary.contains("steps")) {
+    const auto summary = nlohmann::ordered_json::parse(file, nullptr, false);
+    if (value_of(summary, "stopped_early", true)) {
         return std::nullopt;
     }
-    return summary.value("steps", std::int64_t{0});
+    const auto steps = value_of(summary, "steps", std::int64_t{-1});
+    return steps < 0 ? std::nullopt : std::optional(steps);
 }
 
 Checkpoint<2> newest(const Communicator& comm, const std::filesystem::path& folder, Progress& progress) {
     auto found = load_newest_checkpoint<2>(comm, folder / "checkpoints");
+    if (!found.blocked.empty()) {
+        throw InputError(found.blocked);
+    }
     if (!found.checkpoint) {
         throw InputError(
             fmt::format("{}: must hold a sound checkpoint to go on from, found {}; begin with nappe run",
@@ -52,9 +57,12 @@ Checkpoint<2> newest(const Communicator& comm, const std::filesystem::path& fold
     if (comm.is_root()) {
         const auto key = key_of_folder(folder);
         if (key && *key != found.checkpoint->key) {
-            error = fmt::format("{}: must be of the scene in {}, found that of another; take it out of the folder",
-                                checkpoint_path(folder / "checkpoints", found.checkpoint->serial).string(),
-                                (folder / "scene.toml").string());
+            error =
+                fmt::format("{}: must be the scene that the run in this folder began with, found another than {} has; "
+                            "if you edited it, undo that (what may change goes by --set), or take it away; if the "
+                            "checkpoints came from elsewhere, take them away",
+                            (folder / "scene.toml").string(),
+                            checkpoint_path(folder / "checkpoints", found.checkpoint->serial).string());
         }
     }
     comm.throw_together<InputError>(error);
@@ -74,6 +82,20 @@ Checkpoint<2> newest(const Communicator& comm, const std::filesystem::path& fold
     return std::move(*found.checkpoint);
 }
 
+/// A run that came to its end before its first checkpoint has nothing to go on from, nor to.
+void refuse_ended(const Communicator& comm, const std::filesystem::path& folder) {
+    std::string error;
+    if (comm.is_root() && checkpoint_serials(folder / "checkpoints").empty()) {
+        if (const auto steps = steps_at_end(folder)) {
+            error = fmt::format(
+                "{}: must be the folder of a run that can go on, found one that has come to its end with step "
+                "{} and left no checkpoint; for a longer one run the scene anew, in another folder",
+                folder.string(), *steps);
+        }
+    }
+    comm.throw_together<InputError>(error);
+}
+
 } // namespace
 
 ExitCode restart(const Communicator& comm, RunOptions options) {
@@ -86,12 +108,15 @@ ExitCode restart(const Communicator& comm, RunOptions options) {
     comm.throw_together<InputError>(error);
     Progress progress(Progress::for_rank(comm.is_root()));
     const FolderLock lock(comm, options.out);
+    warn_without_lock(lock, options.out, progress);
+    refuse_ended(comm, options.out);
     auto checkpoint = newest(comm, options.out, progress);
     const auto path = checkpoint_path(options.out / "checkpoints", checkpoint.serial);
     const auto before = parse_scene(checkpoint.scene, path.string());
     const auto scene = parse_scene(checkpoint.scene, path.string(), options.overrides);
     check_restart(before, scene, checkpoint.snapshot.clock);
 
+    options.checkpoints.at_once = scene.text != before.text; // a run that dies soon keeps what --set says
     const auto whole = loading_steps(scene);
     const auto wanted = options.steps ? std::min(*options.steps, whole) : whole;
     const auto ended = comm.max(comm.is_root() ? steps_at_end(options.out).value_or(-1) : -1);

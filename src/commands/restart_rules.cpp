@@ -89,6 +89,12 @@ void check_restart(const Scene<2>& before, const Scene<2>& now, const SnapshotCl
                                          was[k].key));
         }
     }
+    if (before.output.measures.energy != now.output.measures.energy) {
+        throw InputError(
+            fmt::format("--set: output.measures.energy must be {} as the run began, since series/energy.csv has "
+                        "its columns; leave it away",
+                        before.output.measures.energy));
+    }
     const auto stage_in_hand = static_cast<std::size_t>(clock.stage);
     for (std::size_t k = 0; k <= stage_in_hand; ++k) {
         const auto &old = before.stages[k], &next = now.stages[k];

@@ -35,25 +35,39 @@ std::string shared_text(const Communicator& comm, const std::string& path, std::
 
 namespace {
 
-/// On the root. Whether a run lies in the folder that has not come to its end.
-bool is_unfinished(const std::filesystem::path& folder) {
-    if (checkpoint_serials(folder / "checkpoints").empty()) {
-        return false;
+/// On the root. What a new run there would destroy, and the remedy; empty: nothing.
+std::string would_be_lost(const RunOptions& options) {
+    namespace fs = std::filesystem;
+    std::error_code none;
+    const auto& out = options.out;
+    const auto kept = out / "scene.toml";
+    const bool has_scene = fs::exists(kept, none);
+    if (has_scene && fs::equivalent(kept, options.scene, none)) {
+        return fmt::format("{}: must not be the folder of the scene file if that is called scene.toml, since results "
+                           "keep the scene as run under this name; choose another --out",
+                           out.string());
     }
-    std::ifstream file(folder / "summary.json");
-    const auto summary = nlohmann::json::parse(file, nullptr, false);
-    return !summary.is_object() || summary.value("stopped_early", true);
-}
-
-void refuse_unfinished(const Communicator& comm, const RunOptions& options) {
-    std::string error;
-    if (comm.is_root() && !options.overwrite && is_unfinished(options.out)) {
-        error =
-            fmt::format("{0}: must not hold a run that can go on, found its checkpoints; go on with nappe restart {0}, "
-                        "choose another --out, or begin anew with --overwrite",
-                        options.out.string());
+    if (has_scene && !fs::exists(out / "frames", none)) {
+        return fmt::format("{}: must not hold a scene.toml that no run left, found one; results keep the scene as run "
+                           "under this name: choose another --out",
+                           out.string());
     }
-    comm.throw_together<InputError>(error);
+    if (options.overwrite) {
+        return {};
+    }
+    if (!checkpoint_serials(out / "checkpoints").empty()) {
+        return fmt::format(
+            "{0}: must not hold a run that can go on, found its checkpoints; go on with nappe restart {0}, "
+            "choose another --out, or begin anew with --overwrite",
+            out.string());
+    }
+    if (fs::exists(out / "summary.json", none)) {
+        return fmt::format(
+            "{}: must not hold the results of another run, found its summary.json; choose another --out, "
+            "or throw them away with --overwrite",
+            out.string());
+    }
+    return {};
 }
 
 void say_what_is_run(const Simulation<2>& simulation, const DiskKernels& kernels, Progress& progress) {
@@ -75,6 +89,14 @@ void say_what_is_run(const Simulation<2>& simulation, const DiskKernels& kernels
 
 } // namespace
 
+void warn_without_lock(const FolderLock& lock, const std::filesystem::path& folder, Progress& progress) {
+    if (!lock.held()) { // who is not the root says nothing
+        progress.warning(fmt::format("{}: this file system has no locks, so a second run in the folder would not be "
+                                     "refused; see to it that there is none",
+                                     folder.string()));
+    }
+}
+
 ExitCode run(const Communicator& comm, const RunOptions& options) {
     catch_signals();
     const auto text = shared_text(comm, options.scene, read_scene_text);
@@ -82,7 +104,8 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
     disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str()); // before anything is written
     Progress progress(Progress::for_rank(comm.is_root()));
     const FolderLock lock(comm, options.out);
-    refuse_unfinished(comm, options);
+    warn_without_lock(lock, options.out, progress);
+    comm.throw_together<InputError>(comm.is_root() ? would_be_lost(options) : std::string());
     return run_scene(comm, scene, options, progress);
 }
 
@@ -90,8 +113,11 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
                    const Checkpoint<2>* from) {
     const auto start = std::chrono::steady_clock::now();
     const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
-    from != nullptr ? Recorder::reclaim(comm, options.out, options.samples)
-                    : Recorder::claim(comm, options.out, options.samples);
+    if (from == nullptr) {
+        Recorder::claim(comm, options.out, options.samples);
+    } else {
+        Recorder::reclaim(comm, options.out, from->course, options.samples);
+    }
     Simulation<2> simulation(comm, scene, kernels);
     say_what_is_run(simulation, kernels, progress);
     Checkpointer checkpointer(simulation, progress, options.out / "checkpoints", restart_key(scene),
@@ -136,7 +162,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
                 stopped.restartable
                     ? fmt::format("stopped while preparing; go on with nappe restart {}", options.out.string())
                     : std::string("stopped while preparing; there is no checkpoint to go on from"));
-            return ExitCode::stopped_early;
+            return stopped.restartable ? ExitCode::stopped_early : ExitCode::other;
         }
     }
     const bool resumed = loading_begun;
@@ -169,6 +195,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     json["h"] = simulation.settings().h / simulation.settings().substeps;
     json["time_simulated"] = done.time;
     json["stopped_early"] = done.stopped;
+    json["restartable"] = checkpointer.any();
     json["restarts"] = totals.restarts;
     json["relaxations"] = relaxations;
     json["sweeps"] = counters.sweeps;
@@ -225,9 +252,13 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
     show_watch_total(simulation, progress);
     if (done.stopped) {
         progress.warning(done.kept ? fmt::format("stopped; go on with nappe restart {}", options.out.string())
-                                   : std::string("stopped, and this state is in no checkpoint"));
+                         : checkpointer.any()
+                             ? fmt::format("stopped, and this state is in no checkpoint; nappe restart {} goes on "
+                                           "from the one before",
+                                           options.out.string())
+                             : std::string("stopped, and there is no checkpoint to go on from"));
     }
-    return done.stopped ? ExitCode::stopped_early : ExitCode::done;
+    return !done.stopped ? ExitCode::done : checkpointer.any() ? ExitCode::stopped_early : ExitCode::other;
 }
 
 } // namespace nappe

@@ -14,6 +14,9 @@
 
 namespace nappe {
 
+class FolderLock;
+class Progress;
+
 struct RunOptions {
     std::string scene;
     std::vector<std::string> overrides;
@@ -32,6 +35,9 @@ ExitCode run(const Communicator& comm, const RunOptions& options);
 /// **Collective.** Goes on in options.out from its newest good checkpoint, with options.overrides over the scene as run;
 /// options.scene and options.overwrite have no part in it. As `run`; InputError if there is no good checkpoint.
 ExitCode restart(const Communicator& comm, RunOptions options);
+
+/// On the root. Where the file system has no locks, the user must see to it that a folder has one run.
+void warn_without_lock(const FolderLock& lock, const std::filesystem::path& folder, Progress& progress);
 
 /// **Collective.** A scene that is read already, the same on all ranks: options.scene and options.overrides have no part
 /// in it. @param from where to go on from, nullptr: from the start. Pre: the caller holds the folder's lock.

@@ -214,7 +214,7 @@ RunState state_of(const PlannedRun& run) {
         return RunState::failed;
     }
     const auto summary = read_json(run.folder / "summary.json");
-    if (!summary.is_object() || summary.value("stopped_early", true)) {
+    if (!summary.is_object() || value_of(nlohmann::ordered_json(summary), "stopped_early", true)) {
         return RunState::to_do;
     }
     refuse_others(summary, run);

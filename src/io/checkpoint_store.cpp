@@ -1,4 +1,5 @@
 #include "io/checkpoint_store.hpp"
+#include "io/atomic_file.hpp"
 
 #include "core/error.hpp"
 #include "io/id_blocks.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <fcntl.h>
 #include <stdexcept>
 
 namespace nappe {
@@ -228,6 +230,28 @@ void store_checkpoint(const Communicator& comm, const std::filesystem::path& fol
                  {checkpoint.key, physics_revision, blocks.n, contact_range.total, 0, 0, notes});
 }
 
+namespace {
+
+/// On the root. Why a checkpoint that is there can not be read by this process: rights, a disk that fails, too many open files.
+std::string unreadable(const std::filesystem::path& path) {
+    for (const auto& part : {manifest_path(path), path}) {
+        std::error_code none;
+        if (std::filesystem::exists(std::filesystem::symlink_status(part, none))) {
+            try {
+                const FileDescriptor file(part, O_RDONLY);
+            } catch (const SystemError& e) {
+                return fmt::format(
+                    "{}; make it readable, or take this checkpoint out of the folder to go on from the one "
+                    "before",
+                    e.what());
+            }
+        }
+    }
+    return {};
+}
+
+} // namespace
+
 template <int D>
 CheckpointLookup<D> load_newest_checkpoint(const Communicator& comm, const std::filesystem::path& folder) {
     CheckpointLookup<D> found;
@@ -235,14 +259,19 @@ CheckpointLookup<D> load_newest_checkpoint(const Communicator& comm, const std::
     auto serials = comm.all_gather(comm.is_root() ? checkpoint_serials(folder) : std::vector<std::int64_t>());
     for (auto serial = serials.rbegin(); serial != serials.rend(); ++serial) {
         const auto path = checkpoint_path(folder, *serial);
+        found.blocked = comm.first_error(comm.is_root() ? unreadable(path) : std::string());
+        if (!found.blocked.empty()) {
+            return found;
+        }
         const auto file = examine_stored(comm, path);
         std::string reason = file.reason;
         if (reason.empty() && file.manifest.physics_revision != physics_revision) {
-            reason =
+            found.blocked =
                 fmt::format("{}: is of nappe {}, physics {}, found by nappe {}, physics {}: it would go on to other "
                             "results; go on with the program that wrote it",
                             path.string(), version_of(file.manifest.notes), file.manifest.physics_revision,
                             program_version(), physics_revision);
+            return found;
         }
         if (reason.empty()) {
             Checkpoint<D> checkpoint;

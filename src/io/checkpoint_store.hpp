@@ -46,9 +46,12 @@ template <int D>
 struct CheckpointLookup {
     std::optional<Checkpoint<D>> checkpoint; ///< grains of this rank's block of ids
     std::vector<std::string> reasons;        ///< why newer ones are not used; the same on all ranks
+    /// Why the newest one that may be sound can not be used here and now: going on from one before it would end in its loss.
+    std::string blocked;
 };
 
-/// **Collective.** The newest checkpoint that is whole, of this format and of this revision of the physics.
+/// **Collective.** The newest checkpoint that is whole and of this format. One that can not be read now, or is of another
+/// revision of the physics, is no reason to go back behind it: `blocked`.
 template <int D>
 CheckpointLookup<D> load_newest_checkpoint(const Communicator& comm, const std::filesystem::path& folder);
 

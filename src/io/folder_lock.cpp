@@ -4,12 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <string>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -53,7 +55,7 @@ FileDescriptor locked(const std::filesystem::path& path) {
                                 "stop it, or choose another --out",
                                 path.parent_path().string(), holder(file)));
             }
-            return file; // no locks on this file system
+            return {}; // no locks on this file system
         }
         if (is_named(file, path)) {
             return file;
@@ -75,8 +77,9 @@ FolderLock::FolderLock(const Communicator& comm, const std::filesystem::path& fo
                                 folder.string(), code.message()));
             }
             file_ = locked(path_);
+            locks_ = static_cast<bool>(file_);
             const auto text = fmt::format("process {} on {}", ::getpid(), this_host());
-            if (::ftruncate(file_.get(), 0) != 0 || write_all(file_, text) != 0) {
+            if (locks_ && (::ftruncate(file_.get(), 0) != 0 || write_all(file_, text) != 0)) {
                 // Only who it is would be unknown.
             }
         } catch (const InputError& e) {
@@ -89,30 +92,65 @@ FolderLock::FolderLock(const Communicator& comm, const std::filesystem::path& fo
     comm.throw_together<SystemError>(refused);
 }
 
+std::string FolderLock::holder_of(const std::filesystem::path& folder) {
+    try {
+        const FileDescriptor file(folder / ".lock", O_RDWR);
+        return ::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? holder(file) : std::string();
+    } catch (const SystemError&) {
+        return {};
+    }
+}
+
 FolderLock::~FolderLock() {
     if (file_) {
         ::unlink(path_.c_str()); // while it is held: who opened it meanwhile sees that it is gone
     }
 }
 
+namespace {
+
+/// Who was writing NAME.part-HOST-PROCESS.
+struct Writer {
+    std::string host;
+    pid_t process = 0;
+};
+
+/// None if it is not the name of a file that nappe was writing (temporary_name): of a user's own, perhaps.
+std::optional<Writer> writer_of(const std::string& name) {
+    constexpr std::string_view mark = ".part-";
+    const auto at = name.rfind(mark);
+    for (const auto* beside :
+         {".data.", ".metadata."}) { // and a number: Open MPI's own, beside a file that ranks share
+        const auto end = name.find(beside, at == std::string::npos ? name.size() : at);
+        if (end != std::string::npos) {
+            return writer_of(name.substr(0, end));
+        }
+    }
+    const auto dash = name.rfind('-');
+    if (at == std::string::npos || dash < at + mark.size()) {
+        return std::nullopt;
+    }
+    const auto kind = std::filesystem::path(name.substr(0, at)).extension();
+    const auto kinds = {".hdf", ".json", ".csv", ".xdmf", ".toml"};
+    Writer writer{name.substr(at + mark.size(), dash - at - mark.size()), 0};
+    const char* const end = name.data() + name.size();
+    const auto read = std::from_chars(name.data() + dash + 1, end, writer.process);
+    const bool whole = read.ec == std::errc() && read.ptr == end && writer.process > 0;
+    return whole && std::find(kinds.begin(), kinds.end(), kind) != kinds.end() ? std::optional(writer) : std::nullopt;
+}
+
+} // namespace
+
 void remove_remains(const std::filesystem::path& folder, bool of_the_dead_only) {
-    const auto ours = ".part-" + this_host() + "-";
     std::error_code ignored;
     std::vector<std::filesystem::path> remains;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-        const auto name = entry.path().filename().string();
-        if (name.find(".part-") == std::string::npos) {
+        const auto writer = writer_of(entry.path().filename().string());
+        if (!writer || !entry.is_regular_file(ignored)) {
             continue;
         }
-        if (of_the_dead_only) {
-            const auto at = name.find(ours);
-            pid_t process = 0;
-            const char* const end = name.data() + name.size();
-            if (at == std::string::npos ||
-                std::from_chars(name.data() + at + ours.size(), end, process).ec != std::errc() || process <= 0 ||
-                ::kill(process, 0) == 0 || errno != ESRCH) {
-                continue;
-            }
+        if (of_the_dead_only && (writer->host != this_host() || ::kill(writer->process, 0) == 0 || errno != ESRCH)) {
+            continue;
         }
         remains.push_back(entry.path());
     }

@@ -200,8 +200,8 @@ FrameBlock<D> read_frame(const Communicator& comm, const std::filesystem::path& 
     try {
         frame = read_part<D>(comm, path, step, wall_names);
     } catch (const std::exception& failure) {
-        error = fmt::format("{}: {}; a frame of this run can not be read: run the scene again, or take the file away "
-                            "from the folder and from run.xdmf",
+        error = fmt::format("{}: {}; a frame of this run can not be read: run the scene again; to go on with the run "
+                            "nevertheless, nappe restart with --set output.measures.during_run=false",
                             path.string(), failure.what());
     }
     comm.throw_together<InputError>(error);

@@ -20,6 +20,17 @@ std::string hex_digits(std::uint64_t value);
 /// infinities as null, bytes that are no UTF-8 as U+FFFD.
 std::string format_summary(const nlohmann::ordered_json& summary);
 
+/// What a file that anybody may have edited says under a key; `otherwise` if it says nothing there, or something of another
+/// kind.
+template <class T>
+T value_of(const nlohmann::ordered_json& json, const std::string& key, const T& otherwise) {
+    try {
+        return json.is_object() ? json.value(key, otherwise) : otherwise;
+    } catch (const nlohmann::json::exception&) {
+        return otherwise;
+    }
+}
+
 /// Writes the file atomically. Throws SystemError.
 void write_summary(const std::filesystem::path& path, const nlohmann::ordered_json& summary);
 

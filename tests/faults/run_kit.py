@@ -83,6 +83,9 @@ class FaultTest(SameFiles):
         self.assertEqual([name for name in run.files() if ".part-" in name], [])
         return run
 
+    def contents(self):
+        return {p: p.read_bytes() for p in self.out.rglob("*") if p.is_file() and not p.is_symlink()}
+
     def fresh(self):
         shutil.rmtree(self.out, ignore_errors=True)
 

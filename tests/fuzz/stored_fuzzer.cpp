@@ -290,7 +290,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (checkpoint) {
         const auto found = load_newest_checkpoint<2>(world->comm, world->folder);
         taken = found.checkpoint.has_value();
-        reason = taken ? "" : found.reasons.at(0);
+        reason = taken ? "" : found.blocked.empty() ? found.reasons.at(0) : found.blocked;
         if (taken) {
             check_checkpoint(*found.checkpoint);
         }

@@ -256,7 +256,7 @@ std::filesystem::path store(const Communicator& comm, const std::filesystem::pat
 std::string load(const Communicator& comm, const std::filesystem::path& folder, bool checkpoint) {
     if (checkpoint) {
         const auto found = load_newest_checkpoint<2>(comm, folder);
-        return found.checkpoint ? "" : found.reasons.at(0);
+        return found.checkpoint ? "" : found.blocked.empty() ? found.reasons.at(0) : found.blocked;
     }
     const auto limits = row_limits(parse_scene(scene_text, "scene"));
     const auto found = load_sample<2>(comm, folder, origin, limits);
