@@ -153,7 +153,7 @@ void define(CLI::App& app, Arguments& arguments) {
     scene_of(run);
     run->add_option("--out", arguments.run.out, "folder for the results [out/NAME OF THE SCENE]")->type_name("DIR");
     define_course(*run, arguments);
-    run->add_flag("--overwrite", arguments.run.overwrite, "begin anew where an unfinished run lies");
+    run->add_flag("--overwrite", arguments.run.overwrite, "throw away the run that lies in DIR");
     auto* restart =
         app.add_subcommand("restart", "go on with a run that was stopped, from its newest checkpoint; on any "
                                       "number of ranks, to the same results");

@@ -115,6 +115,12 @@ ExitCode restart(const Communicator& comm, RunOptions options) {
     const auto before = parse_scene(checkpoint.scene, path.string());
     const auto scene = parse_scene(checkpoint.scene, path.string(), options.overrides);
     check_restart(before, scene, checkpoint.snapshot.clock);
+    const bool preparing = !checkpoint.course.at("loading").get<bool>();
+    if (preparing && sample_origin(before, comm.size()).made_from != sample_origin(scene, comm.size()).made_from) {
+        throw InputError(
+            "--set: what a sample is prepared by must be as the run began while it is being prepared, found it "
+            "changed: the sample would be of neither kind; leave it away until then, or run the scene anew");
+    }
 
     options.checkpoints.at_once = scene.text != before.text; // a run that dies soon keeps what --set says
     const auto whole = loading_steps(scene);

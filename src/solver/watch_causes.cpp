@@ -14,7 +14,7 @@ template <int D>
 std::string Simulation<D>::where() const {
     const auto& stage = scene_.stages[static_cast<std::size_t>(stage_)].name;
     const auto parts = parts_ == settings().substeps ? std::string() : fmt::format(" in {} substeps", parts_);
-    return fmt::format("step {} of stage '{}' (t = {} s){}", stage_steps_ + 1, stage, time(), parts);
+    return fmt::format("step {} of stage '{}' (t = {:.9g} s){}", stage_steps_ + 1, stage, time(), parts);
 }
 
 /// "[x, y]", where the step found it.

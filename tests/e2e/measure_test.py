@@ -89,7 +89,7 @@ class Measure(NappeTest):
         measuring = sets(output__measures__during_run="true")
         self.assertEqual(call(["run", FOLD, "--out", out, "--samples", samples, "--steps", 1, *measuring]).code, DONE)
         self.assertTrue((out / "measures/whole.csv").exists())
-        self.assertEqual(call(["run", FOLD, "--out", out, "--samples", samples, "--steps", 1]).code, DONE)
+        self.assertEqual(call(["run", FOLD, "--out", out, "--samples", samples, "--steps", 1, "--overwrite"]).code, DONE)
         self.assertFalse((out / "measures/whole.csv").exists())
 
     def test_scene_as_run_is_that_of_the_summary(self):

@@ -5,9 +5,9 @@ import signal
 import time
 
 from processes import alive, children, ranks_of
-from run_kit import BAD_INPUT, DONE, MOST, STOPPED, FaultTest, call, paths, sets
+from run_kit import BAD_INPUT, DONE, MOST, OTHER, STOPPED, FaultTest, call, paths, sets
 
-from nappe_driver import finish, main
+from nappe_driver import Run, finish, main
 
 
 class Signals(FaultTest):
@@ -70,6 +70,13 @@ class WallTime(FaultTest):
         # From mpirun's start to its end; one step and one checkpoint over, on a machine that does other things too.
         self.assertLess(time.monotonic() - begun, 2 + MOST)
         self.assertEqual(self.restart("--steps", self.last_step() + 5).summary["restarts"], 1)
+
+    def test_without_checkpoints_it_is_not_restartable(self):
+        process = self.start("--wall-time", "00:00:01", "--checkpoint-every", "never", *sets(stages__push__duration=2000))
+        result = finish(process)
+        self.assertEqual(result.code, OTHER, str(result))
+        self.assertIn("there is no checkpoint to go on from", result.err)
+        self.assertFalse(Run(self.out, result).summary["restartable"])
 
     def test_what_it_must_look_like(self):
         for text in ("2", "00:01", "00:00:00", "-1:00:00", "00:61:00", "1h"):

@@ -108,7 +108,8 @@ class NappeTest(unittest.TestCase):
 
     def run_scene(self, scene, *arguments, ranks=0, out="out", samples="samples", code=0):
         folders = ["--out", self.folder / out, "--samples", self.folder / samples]
-        result = call(["run", scene, *folders, *arguments], ranks, self.folder)
+        # Tests run several scenes into one folder; that it takes --overwrite is tested in tests/faults.
+        result = call(["run", scene, *folders, "--overwrite", *arguments], ranks, self.folder)
         self.assertEqual(result.code, code, str(result))
         return Run(self.folder / out, result)
 
