@@ -14,11 +14,7 @@ using test::squeezed;
 using test::WatchedRun;
 using Then = WatchSettings<2>::Then;
 
-class WatchEnergy : public testing::Test {
-protected:
-    const Communicator world;
-    const Communicator alone = Communicator::alone();
-};
+class WatchEnergy : public test::WatchTest {};
 
 TEST_F(WatchEnergy, EnergyFromWrongImpulsesIsMeasuredAndNamed) {
     // Impulses that the grains never had, as a damaged store might hold them, and one sweep that can not take them back.

@@ -17,11 +17,7 @@ using test::squeezed;
 using test::WatchedRun;
 using Then = WatchSettings<2>::Then;
 
-class Watch : public testing::Test {
-protected:
-    const Communicator world;
-    const Communicator alone = Communicator::alone();
-};
+class Watch : public test::WatchTest {};
 
 /// Grains at rest without gravity that overlap as given: b = 0 leaves overlaps as they are, by formula. Others lie about, so
 /// that tiles go to several ranks.

@@ -78,6 +78,13 @@ inline void expect_same_places(const std::vector<GrainRow<2>>& found, const std:
 
 #define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
+/// All ranks together, and each by itself, for tests that compare the two.
+class WatchTest : public testing::Test {
+protected:
+    const Communicator world;
+    const Communicator alone = Communicator::alone();
+};
+
 /// Walls close on a row: overlaps grow until they pass the limit in one step and not in the one before, which observables
 /// measure between steps.
 inline Scene<2> squeezed(int substeps, int geometry_every, double spacing = 1, double correction = 0) {
