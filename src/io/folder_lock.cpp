@@ -94,8 +94,8 @@ FolderLock::FolderLock(const Communicator& comm, const std::filesystem::path& fo
 
 std::string FolderLock::holder_of(const std::filesystem::path& folder) {
     try {
-        const FileDescriptor file(folder / ".lock", O_RDWR);
-        return ::flock(file.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK ? holder(file) : std::string();
+        const FileDescriptor file(folder / ".lock", O_RDONLY); // the folder may be another user's
+        return ::flock(file.get(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK ? holder(file) : std::string();
     } catch (const SystemError&) {
         return {};
     }

@@ -71,10 +71,12 @@ class Folders(FaultTest):
                 self.assertEqual(second.code, BAD_INPUT, str(second))
                 self.assertEqual(len(second.errors), 1, second.err)
                 self.assertIn("must be used by one run at a time, found process", second.errors[0])
+            self.assertIn("running: process", call(["info", self.out]).out)
         finally:
             first.send_signal(signal.SIGUSR1)
             result = finish(first)
         self.assertEqual(result.code, 3, str(result))
+        self.assertIn("stopped early; nappe restart goes on", call(["info", self.out]).out)
         self.assertEqual(self.restart("--steps", self.last_step() + 5).summary["restarts"], 1)
 
     def test_an_unfinished_run_is_not_run_over(self):
