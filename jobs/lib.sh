@@ -155,7 +155,10 @@ nappe_job() {
     pick --set -- "$@"
     "$nappe" check "$scene" "${picked[@]}"
     mkdir -p "$(dirname "$out")"
-    watch_over "${launcher[@]}" "$nappe" run "$scene" --out "$out" "$@" "${limit[@]}"
+    # What a start of this very job left before its first checkpoint can not be gone on from.
+    local anew=()
+    if [ "$restarts" -gt 0 ]; then anew=(--overwrite); fi
+    watch_over "${launcher[@]}" "$nappe" run "$scene" --out "$out" "${anew[@]}" "$@" "${limit[@]}"
   fi
   end_job
 }

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/method_names.hpp"
 #include "core/polygon.hpp"
+#include "core/smooth_step.hpp"
 #include "io/progress.hpp"
 #include "io/scene_reader.hpp"
 #include "solver/disk_batch.hpp"
@@ -48,9 +49,15 @@ std::string bytes_text(double bytes) {
 }
 
 std::string solver_text(const SolverSettings& solver) {
-    auto text = fmt::format("h {} s, theta {}, ", solver.h, solver.theta);
+    auto text = fmt::format("h {} s, ", solver.h);
+    if (!is_smooth(solver)) {
+        text += fmt::format("theta {}, ", solver.theta);
+    }
     if (solver.substeps > 1) {
         text += fmt::format("{} substeps, ", solver.substeps);
+    }
+    if (is_smooth(solver)) {
+        return text + "smooth contacts (cundall)";
     }
     if (std::min(solver.substeps, solver.geometry_every) > 1) {
         text += fmt::format("normals for {} of them, ", std::min(solver.substeps, solver.geometry_every));
@@ -72,6 +79,18 @@ std::string solver_text(const SolverSettings& solver) {
         text += fmt::format(", {} of overlaps taken away", solver.position_correction);
     }
     return text;
+}
+
+std::string springs_text(const ContactLaw& law) {
+    if (!law.springs) {
+        return "";
+    }
+    const auto dashpot = [](const SpringDashpot& spring) {
+        return spring.c ? fmt::format("{} N s/m", *spring.c) : std::string("2 sqrt(m_eff k_n)");
+    };
+    const auto& [normal, tangential] = *law.springs;
+    return fmt::format(", springs of {} and {} N/m, dashpots of {} and {}", normal.k, tangential.k, dashpot(normal),
+                       dashpot(tangential));
 }
 
 std::string stage_text(const Stage& stage) {
@@ -112,10 +131,11 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
         fmt::format_to(out, "wall       {}: {}\n", wall.name, wall_text(scene, wall));
     }
     for (const auto& law : scene.laws) {
-        fmt::format_to(out, "law        {} - {}: frictional, friction {}, restitution {}{}\n",
+        fmt::format_to(out, "law        {} - {}: frictional, friction {}, restitution {}{}{}\n",
                        scene.materials[static_cast<std::size_t>(law.material_a)].name,
                        scene.materials[static_cast<std::size_t>(law.material_b)].name, law.friction, law.restitution,
-                       law.gamma > 0 ? fmt::format(", cohesion of {} N up to a gap of {} m", law.gamma, law.d_w) : "");
+                       law.gamma > 0 ? fmt::format(", cohesion of {} N up to a gap of {} m", law.gamma, law.d_w) : "",
+                       springs_text(law));
     }
     for (const auto& stage : scene.stages) {
         fmt::format_to(out, "stage      {}: {}; {}\n", stage.name, stage_text(stage), solver_text(stage.solver));
@@ -134,7 +154,7 @@ std::string asked_features(const Features& f) {
           std::pair(f.turning, "grains that may turn"), std::pair(f.cells, "cells"), std::pair(f.layers, "layers"),
           std::pair(f.driven_walls, "driven walls"), std::pair(f.kept_normals, "kept geometry"),
           std::pair(f.correction, "position correction"), std::pair(f.adaptive, "adaptive sweeps"),
-          std::pair(f.single, "single precision")}) {
+          std::pair(f.single, "single precision"), std::pair(f.smooth, "smooth contacts")}) {
         text += asked ? fmt::format("{}{}", text.empty() ? "" : ", ", name) : "";
     }
     if (f.impulses_kept > 0) {
@@ -213,6 +233,9 @@ std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks) {
                    "much again in all\n",
                    format_duration(e.seconds), format_duration(e.seconds / ranks), ranks, cost.ns_per_relaxation);
     fmt::format_to(out, "frames     {:.0f}, {}\n", e.frames, bytes_text(e.disk));
+    for (const auto& line : smooth_warnings(scene)) {
+        fmt::format_to(out, "warning    {}\n", line);
+    }
     return text;
 }
 

@@ -19,7 +19,7 @@ double steady_seconds() {
 
 [[noreturn]] void refuse_policy(const std::string& text) {
     throw InputError(fmt::format("--checkpoint-every: must be a number of steps, a time or both (500, 10min, 90s, 2h, "
-                                 "500,10min) or never, found \"{}\"",
+                                 "500,10min) or never, found \"{}\"; write 5min for five minutes, 5 for five steps",
                                  text));
 }
 
@@ -111,6 +111,9 @@ std::uint32_t Checkpointer::wishes() {
 }
 
 bool Checkpointer::write(const nlohmann::ordered_json& course, const nlohmann::ordered_json& notes) {
+    if (is_in_last()) {
+        return true;
+    }
     const double begun = now_();
     const auto& comm = simulation_.comm();
     bool good = false;
@@ -122,7 +125,7 @@ bool Checkpointer::write(const nlohmann::ordered_json& course, const nlohmann::o
         good = true;
     } catch (const SystemError& e) { // thrown by all ranks alike
         ++failed_;
-        progress_.warning(fmt::format("no checkpoint: {}. The run goes on; {}", e.what(),
+        progress_.warning(fmt::format("no checkpoint: {}; {}", e.what(),
                                       last_ > 0 ? fmt::format("{} stands", checkpoint_path(folder_, last_).string())
                                                 : std::string("there is none yet")));
     }

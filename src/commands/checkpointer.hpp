@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace nappe {
 
@@ -60,8 +61,11 @@ public:
     /// @param course, notes see Checkpoint
     bool write(const nlohmann::ordered_json& course, const nlohmann::ordered_json& notes);
 
-    /// Local. The one that the run went on from is kept as the last but one.
-    void keep(std::int64_t serial) { last_ = serial; }
+    /// Local. The run goes on from this one: it is kept as the last but one, and not written again until there was a step.
+    void keep(std::int64_t serial) {
+        last_ = serial;
+        went_on_from_ = now_in();
+    }
 
     bool never() const { return settings_.policy.never(); }
     bool any() const { return last_ > 0; }            ///< whether there is one to go on from
@@ -75,6 +79,8 @@ private:
     static constexpr std::uint32_t due_bit = flag::outside_first << 1;
 
     void prune(std::int64_t newest);
+    bool is_in_last() const { return written_ == 0 && !settings_.at_once && now_in() == went_on_from_; }
+    std::pair<int, std::int64_t> now_in() const { return {simulation_.stage(), simulation_.stage_steps()}; }
 
     Simulation<2>& simulation_;
     Progress& progress_;
@@ -88,7 +94,8 @@ private:
     double longest_step_ = 0;
     double longest_write_ = 0;
     std::int64_t next_ = 1;
-    std::int64_t last_ = 0; ///< newest that is known to be good; 0: none
+    std::int64_t last_ = 0;                             ///< newest that is known to be good; 0: none
+    std::pair<int, std::int64_t> went_on_from_{-1, -1}; ///< stage and its steps
     std::int64_t written_ = 0, failed_ = 0;
     double seconds_ = 0;
     std::uintmax_t bytes_ = 0; ///< of the last

@@ -1,7 +1,6 @@
 #include "commands/loading.hpp"
 
-#include "commands/watch_report.hpp"
-#include "core/error.hpp"
+#include "commands/watched_step.hpp"
 
 #include <algorithm>
 
@@ -55,30 +54,13 @@ void Loading::go_through(int stage, bool resumed) {
     progress_.begin_stage(settings.name, n, done);
     for (std::int64_t k = done; k < n && !course_.stopped; ++k) {
         const bool with_residual = recorder_.row_due(course_.steps + 1) || course_.steps + 1 == last_;
-        const auto agreed = step(with_residual);
+        const auto agreed = watched_step(simulation_, with_residual, checkpointer_, progress_, [&] { return keep(); });
         ++course_.steps;
         course_.time = simulation_.time();
         write_due(agreed);
         progress_.update(k + 1, course_.time);
     }
     progress_.end_stage();
-}
-
-/// A step that fails leaves a checkpoint of the state before it.
-std::uint32_t Loading::step(bool with_residual) {
-    try {
-        const auto agreed = simulation_.step(checkpointer_.wishes(), with_residual);
-        show_watch(simulation_, progress_);
-        return agreed;
-    } catch (const NumericalFailure&) { // thrown by all ranks alike
-        show_watch(simulation_, progress_);
-        if (!checkpointer_.never() && simulation_.undo_step() && keep()) {
-            progress_.warning(
-                "the state before the step that failed is in a checkpoint: nappe restart with other settings "
-                "(--set) goes on from there");
-        }
-        throw;
-    }
 }
 
 /// Rows, frames and checkpoints of the step that has just been done. A run that ends before its scene does leaves a row and

@@ -33,7 +33,6 @@ public:
 
 private:
     void go_through(int stage, bool resumed);
-    std::uint32_t step(bool with_residual);
     void write_due(std::uint32_t agreed);
     bool keep();
 

@@ -1,6 +1,6 @@
 #include "commands/prepare.hpp"
 
-#include "commands/watch_report.hpp"
+#include "commands/watched_step.hpp"
 #include "core/error.hpp"
 #include "core/initial_grains.hpp"
 #include "io/stored_manifest.hpp"
@@ -41,39 +41,44 @@ SettleState settle_state(const Simulation<2>& simulation) {
             simulation.last_residual() ? simulation.last_residual()->largest : 0.0};
 }
 
-/// Throws NumericalFailure if the stage takes too long.
-bool is_settled(const Simulation<2>& simulation, const SettleCriterion& wanted) {
-    const auto now = settle_state(simulation);
-    if (now.kinetic <= wanted.kinetic && now.residual <= wanted.residual) {
-        return true;
-    }
-    if (simulation.time() >= wanted.at_most) {
-        throw NumericalFailure(fmt::format(
-            "stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} (wanted "
-            "{:.3g}), "
-            "residual {:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
-            simulation.scene().stages[static_cast<std::size_t>(simulation.stage())].name, wanted.at_most, now.kinetic,
-            wanted.kinetic, now.residual, wanted.residual));
-    }
-    return false;
+bool is_settled(const SettleState& now, const SettleCriterion& wanted) {
+    return now.kinetic <= wanted.kinetic && now.residual <= wanted.residual;
 }
 
-/// Steps of one settling stage, from its start or on from where the simulation is. @param keep writes a checkpoint
-template <class Keep>
+NumericalFailure unsettled(const std::string& stage, const SettleState& now, const SettleCriterion& wanted) {
+    return NumericalFailure(fmt::format(
+        "stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} (wanted {:.3g}), "
+        "residual {:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
+        stage, wanted.at_most, now.kinetic, wanted.kinetic, now.residual, wanted.residual));
+}
+
+/// Steps of one settling stage, from its start or on from where the simulation is. Throws NumericalFailure if it takes too
+/// long. @param keep writes a checkpoint
 void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progress, Checkpointer& checkpointer,
-            Keep keep) {
+            const std::function<bool()>& keep) {
+    const auto& name = simulation.scene().stages[static_cast<std::size_t>(stage)].name;
     const auto& wanted = *simulation.scene().stages[static_cast<std::size_t>(stage)].until;
     if (!goes_on) {
         simulation.start_stage(stage);
     }
-    progress.begin_stage(simulation.scene().stages[static_cast<std::size_t>(stage)].name, 0, simulation.stage_steps());
+    progress.begin_stage(name, 0, simulation.stage_steps());
     for (;;) {
         const bool look = (simulation.stage_steps() + 1) % settle_check_every == 0;
-        const auto agreed = simulation.step(checkpointer.wishes(), look);
-        show_watch(simulation, progress);
+        const auto agreed = watched_step(simulation, look, checkpointer, progress, keep);
         progress.update(simulation.stage_steps(), simulation.time());
-        if (look && is_settled(simulation, wanted)) { // before any checkpoint: a restart does not look again
-            break;
+        if (look) { // before any checkpoint: a restart does not look again
+            const auto now = settle_state(simulation);
+            if (is_settled(now, wanted)) {
+                break;
+            }
+            if (simulation.time() >= wanted.at_most) {
+                if (!checkpointer.never() && keep()) {
+                    progress.warning(fmt::format("what has settled so far is in a checkpoint: nappe restart with more "
+                                                 "time (--set stages.{}.until.at_most=…) goes on from there",
+                                                 name));
+                }
+                throw unsettled(name, now, wanted);
+            }
         }
         const bool stops = Checkpointer::stops(agreed);
         if (stops || checkpointer.due(agreed, simulation.stage_steps())) {

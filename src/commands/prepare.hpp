@@ -40,7 +40,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
 
 /// Stopped while preparing. Exit code 3.
 struct StoppedEarly {
-    bool restartable = false; ///< there is a checkpoint of it
+    bool kept = false; ///< there is a checkpoint of it
 };
 
 } // namespace nappe

@@ -90,7 +90,10 @@ void Recorder::claim(const Communicator& comm, const std::filesystem::path& fold
                 remove_checkpoint(folder / "checkpoints", serial);
             }
             remove_results(folder);
-            for (const auto* file : {"checkpoints", "summary.json", "run.xdmf", "contacts.xdmf", "scene.toml"}) {
+            if (std::filesystem::is_directory(folder / "checkpoints", ignored)) { // and not a file of the user's
+                std::filesystem::remove(folder / "checkpoints", ignored);
+            }
+            for (const auto* file : {"summary.json", "run.xdmf", "contacts.xdmf", "scene.toml"}) {
                 std::filesystem::remove(folder / file, ignored);
             }
             Measurer::forget(folder / "measures");

@@ -101,7 +101,8 @@ void refuse_ended(const Communicator& comm, const std::filesystem::path& folder)
 ExitCode restart(const Communicator& comm, RunOptions options) {
     catch_signals();
     std::string error;
-    if (comm.is_root() && !std::filesystem::is_directory(options.out)) {
+    std::error_code none;
+    if (comm.is_root() && !std::filesystem::is_directory(options.out, none)) {
         error =
             fmt::format("{}: must be the folder of a run, its --out, found none; check the path", options.out.string());
     }
@@ -120,6 +121,18 @@ ExitCode restart(const Communicator& comm, RunOptions options) {
         throw InputError(
             "--set: what a sample is prepared by must be as the run began while it is being prepared, found it "
             "changed: the sample would be of neither kind; leave it away until then, or run the scene anew");
+    }
+    if (preparing && sample_origin(scene, static_cast<int>(checkpoint.ranks)).made_from != sample_origin(scene, comm.size()).made_from) {
+        throw InputError(fmt::format("{}: must go on on {} ranks while its sample is prepared with solver.coupling = "
+                                     "\"sweep\", found {}: the sample would be of neither number; go on on {}, or run "
+                                     "the scene anew",
+                                     path.string(), checkpoint.ranks, comm.size(), checkpoint.ranks));
+    }
+    if (const auto at = checkpoint.notes.at("step").get<std::int64_t>();
+        !preparing && options.steps.value_or(at) < at) {
+        throw InputError(
+            fmt::format("--steps: must be at least {}, the step of {}, found {}; leave it away, or give more", at,
+                        path.string(), *options.steps));
     }
 
     options.checkpoints.at_once = scene.text != before.text; // a run that dies soon keeps what --set says

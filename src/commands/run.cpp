@@ -7,6 +7,7 @@
 #include "commands/run_totals.hpp"
 #include "commands/signals.hpp"
 #include "commands/watch_report.hpp"
+#include "core/smooth_step.hpp"
 #include "io/folder_lock.hpp"
 #include "io/scene_reader.hpp"
 #include "io/summary.hpp"
@@ -14,6 +15,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 
@@ -47,7 +49,8 @@ std::string would_be_lost(const RunOptions& options) {
                            "keep the scene as run under this name; choose another --out",
                            out.string());
     }
-    if (has_scene && !fs::exists(out / "frames", none)) {
+    const bool has_summary = fs::exists(out / "summary.json", none);
+    if (has_scene && !has_summary && !fs::exists(out / "frames", none)) {
         return fmt::format("{}: must not hold a scene.toml that no run left, found one; results keep the scene as run "
                            "under this name: choose another --out",
                            out.string());
@@ -61,13 +64,35 @@ std::string would_be_lost(const RunOptions& options) {
             "choose another --out, or begin anew with --overwrite",
             out.string());
     }
-    if (fs::exists(out / "summary.json", none)) {
+    const bool has_frames = std::any_of(fs::directory_iterator(out / "frames", none), fs::directory_iterator(),
+                                        [](const auto& entry) { return entry.path().extension() == ".hdf"; });
+    if (has_summary || has_frames) {
         return fmt::format(
-            "{}: must not hold the results of another run, found its summary.json; choose another --out, "
-            "or throw them away with --overwrite",
-            out.string());
+            "{}: must not hold the results of another run, found {}; choose another --out, or throw them away with "
+            "--overwrite",
+            out.string(), has_summary ? "its summary.json" : "its frames, and no checkpoint to go on from");
     }
     return {};
+}
+
+/// **Collective.** Machines of one job may differ: if the kernel is not for one of them, all ranks say so.
+const DiskKernels& kernels_of(const Communicator& comm, const std::string& name) {
+    const DiskKernels* kernels = nullptr;
+    std::string error;
+    try {
+        kernels = &disk_kernels(name.empty() ? nullptr : name.c_str());
+    } catch (const InputError& e) {
+        error = e.what();
+    }
+    comm.throw_together<InputError>(error);
+    return *kernels;
+}
+
+std::string how_to_go_on(bool kept, bool any, const std::filesystem::path& out) {
+    return kept  ? fmt::format("; go on with nappe restart {}", out.string())
+           : any ? fmt::format(", and this state is in no checkpoint; nappe restart {} goes on from the one before",
+                               out.string())
+                 : std::string(", and there is no checkpoint to go on from");
 }
 
 void say_what_is_run(const Simulation<2>& simulation, const DiskKernels& kernels, Progress& progress) {
@@ -80,6 +105,9 @@ void say_what_is_run(const Simulation<2>& simulation, const DiskKernels& kernels
                     scene.title, ranks, features.friction ? "Coulomb" : "no", features.restitution ? "Newton" : "no",
                     features.cohesion ? "Lennard-Jones" : "no", kernels.name, kernel_variant(features),
                     bytes_per_grain(features), bytes_per_contact(features)));
+    for (const auto& line : smooth_warnings(scene)) {
+        progress.warning(line);
+    }
     if (couples_by_sweep(scene) && ranks > 1) {
         progress.warning(fmt::format("solver.coupling = \"sweep\": the result holds for {} ranks; on another number of "
                                      "ranks it differs",
@@ -100,8 +128,8 @@ void warn_without_lock(const FolderLock& lock, const std::filesystem::path& fold
 ExitCode run(const Communicator& comm, const RunOptions& options) {
     catch_signals();
     const auto text = shared_text(comm, options.scene, read_scene_text);
-    const auto scene = parse_scene(text, options.scene, options.overrides);  // every rank finds the same errors
-    disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str()); // before anything is written
+    const auto scene = parse_scene(text, options.scene, options.overrides); // every rank finds the same errors
+    kernels_of(comm, options.kernel);                                       // before anything is written
     Progress progress(Progress::for_rank(comm.is_root()));
     const FolderLock lock(comm, options.out);
     warn_without_lock(lock, options.out, progress);
@@ -112,7 +140,7 @@ ExitCode run(const Communicator& comm, const RunOptions& options) {
 ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOptions& options, Progress& progress,
                    const Checkpoint<2>* from) {
     const auto start = std::chrono::steady_clock::now();
-    const auto& kernels = disk_kernels(options.kernel.empty() ? nullptr : options.kernel.c_str());
+    const auto& kernels = kernels_of(comm, options.kernel);
     if (from == nullptr) {
         Recorder::claim(comm, options.out, options.samples);
     } else {
@@ -158,11 +186,8 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
         try {
             preparation = prepare(simulation, options.samples, progress, checkpointer, course, remember);
         } catch (const StoppedEarly& stopped) {
-            progress.warning(
-                stopped.restartable
-                    ? fmt::format("stopped while preparing; go on with nappe restart {}", options.out.string())
-                    : std::string("stopped while preparing; there is no checkpoint to go on from"));
-            return stopped.restartable ? ExitCode::stopped_early : ExitCode::other;
+            progress.warning("stopped while preparing" + how_to_go_on(stopped.kept, checkpointer.any(), options.out));
+            return checkpointer.any() ? ExitCode::stopped_early : ExitCode::other;
         }
     }
     const bool resumed = loading_begun;
@@ -251,12 +276,7 @@ ExitCode run_scene(const Communicator& comm, const Scene<2>& scene, const RunOpt
         done.time, totals.loading, recorder.largest_overlap(), recorder.largest_residual(), hex_digits(hash)));
     show_watch_total(simulation, progress);
     if (done.stopped) {
-        progress.warning(done.kept ? fmt::format("stopped; go on with nappe restart {}", options.out.string())
-                         : checkpointer.any()
-                             ? fmt::format("stopped, and this state is in no checkpoint; nappe restart {} goes on "
-                                           "from the one before",
-                                           options.out.string())
-                             : std::string("stopped, and there is no checkpoint to go on from"));
+        progress.warning("stopped" + how_to_go_on(done.kept, checkpointer.any(), options.out));
     }
     return !done.stopped ? ExitCode::done : checkpointer.any() ? ExitCode::stopped_early : ExitCode::other;
 }

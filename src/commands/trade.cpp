@@ -74,7 +74,9 @@ RunState make_run(const Communicator& comm, const PlannedRun& run, const TradeOp
     run_options.samples = options.samples;
     run_options.steps = run.steps;
     run_options.checkpoints.policy = {0, 0}; // what is not finished is run again
-    Progress silent({.enabled = false});
+    Progress::Settings silence;
+    silence.enabled = false;
+    Progress silent(silence);
     try {
         const auto code = run_scene(comm, run.scene, run_options, silent);
         return code == ExitCode::done ? RunState::done : RunState::to_do;

@@ -22,6 +22,8 @@ Kept kept_by(SolverSettings::Method method) {
     case nncg:
     case cpg:
         return {2, 2};
+    case cundall:
+        return {0, 0};
     }
     return {};
 }
@@ -43,11 +45,12 @@ Features features_of(const Scene<D>& scene) {
                any(scene.grains, [](const auto& g) { return g.layer != 1; });
     f.driven_walls = any(scene.walls, [](const auto& wall) { return wall.motion.has_value(); });
     f.impulses_kept = f.velocities_kept = 0;
-    f.kept_normals = f.kept_gaps = f.correction = f.adaptive = f.single = false;
+    f.kept_normals = f.kept_gaps = f.correction = f.adaptive = f.single = f.smooth = false;
     for (const auto& stage : scene.stages) {
         f.correction = f.correction || stage.solver.position_correction > 0;
         f.kept_normals = f.kept_normals || std::min(stage.solver.geometry_every, stage.solver.substeps) > 1;
-        f.kept_gaps = f.kept_normals || f.correction;
+        f.smooth = f.smooth || is_smooth(stage.solver);
+        f.kept_gaps = f.kept_normals || f.correction || f.smooth;
         f.adaptive = f.adaptive || stage.solver.adaptive.has_value();
         f.single = f.single || stage.solver.precision == SolverSettings::Precision::single;
         const auto kept = kept_by(stage.solver.method);

@@ -15,11 +15,12 @@ struct Features {
     bool cells = true;          ///< sets of grains are marked when loading starts
     bool layers = true;         ///< grains are of more than one layer
     bool kept_normals = true;   ///< normals serve for several substeps
-    bool kept_gaps = true;      ///< that, or positions are corrected
+    bool kept_gaps = true;      ///< that, or positions are corrected, or contacts are smooth
     bool correction = true;     ///< positions are corrected
     bool driven_walls = true;
     bool adaptive = true;    ///< quiet tiles are left alone
     bool single = true;      ///< sweeps go over rounded copies
+    bool smooth = true;      ///< some stage has springs and dashpots in place of rigid contacts
     int impulses_kept = 2;   ///< by the method that keeps most from sweep to sweep: so many of every contact
     int velocities_kept = 2; ///< and of every body
 };

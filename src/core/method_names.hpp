@@ -11,7 +11,7 @@ namespace nappe {
 inline constexpr std::initializer_list<std::pair<const char*, SolverSettings::Method>> method_names = {
     {"nsgs", SolverSettings::Method::nsgs}, {"ansgs", SolverSettings::Method::ansgs},
     {"nncg", SolverSettings::Method::nncg}, {"apgd", SolverSettings::Method::apgd},
-    {"cpg", SolverSettings::Method::cpg},
+    {"cpg", SolverSettings::Method::cpg},   {"cundall", SolverSettings::Method::cundall},
 };
 
 inline const char* method_name(SolverSettings::Method method) {

@@ -18,6 +18,21 @@ struct Material {
     double density = 0; ///< [kg/m³] in the plane: mass per metre of depth; 0 for materials only walls are made of
     std::optional<double> gamma = std::nullopt; ///< [N], of its cohesive laws that give none themselves
     std::optional<double> d_w = std::nullopt;   ///< [m], likewise
+    /// Cundall's global damping of its grains, per metre of depth: C [N s/m] and C* [N m s], (seeds/004 eq. 15, 16).
+    double damping = 0;
+    double spin_damping = 0;
+};
+
+/// A spring and a dashpot, per metre of depth.
+struct SpringDashpot {
+    double k = 0; ///< [N/m]
+    /// [N s/m]; none: 2 sqrt(m k) with m = m_a m_b / (m_a + m_b), which stops a head-on pair without a rebound.
+    std::optional<double> c = std::nullopt;
+};
+
+/// What Cundall's smooth model adds to a law (seeds/004 eq. 9, 10).
+struct Springs {
+    SpringDashpot normal, tangential;
 };
 
 /// Signorini–Coulomb with Newton restitution or with cohesion (the non-smooth Lennard-Jones law, seeds/000 §4.3), for
@@ -29,6 +44,8 @@ struct ContactLaw {
     double restitution = 0; ///< e, in [0, 1]; 0 with cohesion
     double gamma = 0;       ///< greatest attraction [N], per metre of depth; none while the sample is prepared
     double d_w = 0;         ///< gap up to which a pair is bonded [m]
+
+    std::optional<Springs> springs = std::nullopt; ///< what stages with method = cundall go by
 
     double range() const { return gamma > 0 ? d_w : 0.0; } ///< without an attraction there is no bond
 };
@@ -82,7 +99,8 @@ struct Wall {
 };
 
 struct SolverSettings {
-    enum class Method { nsgs, ansgs, nncg, apgd, cpg }; ///< solver/nsgs.hpp and its neighbours say what each is
+    /// solver/nsgs.hpp and its neighbours say what each is; cundall: smooth contacts, nothing to solve (solver/smooth.cpp).
+    enum class Method { nsgs, ansgs, nncg, apgd, cpg, cundall };
     enum class AtMax { accept, stop };
     enum class Coupling { colour, sweep }; ///< when ranks exchange velocities: after each tile colour, or each sweep
     enum class Precision { full, single }; ///< of the sweep; what is outside of it is always in double
@@ -107,7 +125,24 @@ struct SolverSettings {
     bool warm_start = true;                ///< from the impulses of the step before; else from none
     Coupling coupling = Coupling::colour;  ///< nsgs only; `sweep`: the result depends on the number of ranks
     Precision precision = Precision::full; ///< nsgs only
+    bool unsafe = false;                   ///< cundall only: a step beyond what is known to be stable is let pass
 };
+
+/// Of a smooth stage, which has none of the keys of a solution. theta = 1: forces are found where a step begins, and
+/// positions go by the new velocity (seeds/004 eq. 23).
+inline SolverSettings smooth_settings(double h, int substeps = 1) {
+    SolverSettings s;
+    s.method = SolverSettings::Method::cundall;
+    s.h = h;
+    s.substeps = substeps;
+    s.theta = 1;
+    s.sweeps = 1;
+    return s;
+}
+
+inline bool is_smooth(const SolverSettings& settings) {
+    return settings.method == SolverSettings::Method::cundall;
+}
 
 /// Ends a preparing stage: both hold at the end of a step.
 struct SettleCriterion {

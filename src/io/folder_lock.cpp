@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
@@ -15,6 +16,7 @@
 #include <string>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 namespace nappe {
@@ -43,10 +45,14 @@ std::string holder(const FileDescriptor& file) {
 
 /// Throws InputError or SystemError.
 FileDescriptor locked(const std::filesystem::path& path) {
-    for (;;) {
+    for (int attempt = 0;;) {
         FileDescriptor file(path, O_RDWR | O_CREAT);
         if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
             if (errno == EINTR) {
+                continue;
+            }
+            if (errno == EWOULDBLOCK && attempt++ < 20) { // nappe info asks, too, for an instant
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
                 continue;
             }
             if (errno == EWOULDBLOCK) {

@@ -225,6 +225,28 @@ void read_cohesion(const TableReader& table, const Scene<2>& scene, bool cohesiv
     }
 }
 
+/// Springs are what smooth stages go by; rigid ones take the law's friction alone.
+void read_springs(const TableReader& table, bool has_springs, ContactLaw& law) {
+    if (!has_springs) {
+        for (const auto* key : {"k_n", "k_s", "c_n", "c_s"}) {
+            if (table.has(key)) {
+                table.problem(key, "must be absent unless type = \"cundall\"", "write type = \"cundall\"");
+            }
+        }
+        return;
+    }
+    Springs springs;
+    table.read("k_n", springs.normal.k, positive("N/m", "give the stiffness of the normal spring"), Need::required);
+    springs.tangential.k = springs.normal.k;
+    table.read("k_s", springs.tangential.k, not_negative("N/m", "give the stiffness of the tangential spring"));
+    table.read("c_n", springs.normal.c, not_negative("N s/m", "give the normal dashpot, or leave it out"));
+    table.read("c_s", springs.tangential.c, not_negative("N s/m", "give the tangential dashpot, or leave it out"));
+    if (law.restitution > 0) {
+        table.problem("restitution", "must be absent in a law with springs", "dashpots say what an impact loses");
+    }
+    law.springs = springs;
+}
+
 } // namespace
 
 void read_materials(const TableReader& top, Scene<2>& scene) {
@@ -241,6 +263,9 @@ void read_materials(const TableReader& top, Scene<2>& scene) {
                 *value = 0; // given, so that its laws do not miss it as well
             }
         }
+        table.read("damping", material.damping, not_negative("N s/m", "give C of its grains in smooth stages"));
+        table.read("spin_damping", material.spin_damping,
+                   not_negative("N m s", "give C* of its grains in smooth stages"));
         if (name == "wall") {
             scene.materials.front() = material;
         } else {
@@ -253,9 +278,10 @@ void read_laws(const TableReader& top, Scene<2>& scene) {
     for (const auto& table : top.tables("laws", "[[laws]]", "write [[laws]]", most_laws)) {
         ContactLaw law;
         std::string type;
-        if (table.read("type", type, "write \"frictional\" or \"cohesive\"", Need::required) && type != "frictional" &&
-            type != "cohesive") {
-            table.problem("type", "must be \"frictional\" or \"cohesive\"", "no other contact law is built");
+        if (table.read("type", type, "write \"frictional\", \"cohesive\" or \"cundall\"", Need::required) &&
+            type != "frictional" && type != "cohesive" && type != "cundall") {
+            table.problem("type", "must be \"frictional\", \"cohesive\" or \"cundall\"",
+                          "no other contact law is built");
         }
         table.read("friction", law.friction, not_negative("", "give the coefficient of Coulomb friction"),
                    Need::required);
@@ -264,6 +290,7 @@ void read_laws(const TableReader& top, Scene<2>& scene) {
             continue;
         }
         read_cohesion(table, scene, type == "cohesive", law);
+        read_springs(table, type == "cundall", law);
         if (find_law(scene, law.material_a, law.material_b) != nullptr) {
             table.problem("between",
                           fmt::format("must be the only law between {} and {}",

@@ -1,5 +1,6 @@
 #include "io/scene_rules.hpp"
 
+#include "core/smooth_step.hpp"
 #include "io/scene_geometry.hpp"
 
 #include <fmt/format.h>
@@ -64,6 +65,51 @@ void check_correction(const Scene<2>& scene, Problems& problems) {
                                      stage.solver.position_correction, stage.name));
             return;
         }
+    }
+}
+
+/// Stages without a solution: what they go by must be there, and what they have no part in must not be asked of them.
+void check_smooth_stages(const Scene<2>& scene, Problems& problems) {
+    const auto smooth = std::find_if(scene.stages.begin(), scene.stages.end(),
+                                     [](const Stage& stage) { return is_smooth(stage.solver); });
+    if (smooth == scene.stages.end()) {
+        return;
+    }
+    bool complete = true;
+    for (const auto& law : scene.laws) {
+        if (!law.springs) {
+            complete = false;
+            problems.add("laws",
+                         fmt::format("must all have type = \"cundall\" where a stage has method = \"cundall\", found "
+                                     "that of \"{}\" and \"{}\" without springs, and stage '{}'; give it k_n",
+                                     material(scene, law.material_a).name, material(scene, law.material_b).name,
+                                     smooth->name));
+        }
+    }
+    for (const auto& stage : scene.stages) {
+        if (!is_smooth(stage.solver)) {
+            continue;
+        }
+        const double h = stage.solver.h / stage.solver.substeps;
+        if (const auto bounds = complete ? smooth_bounds(scene) : SmoothBounds{};
+            h > bounds.stable && !stage.solver.unsafe) {
+            problems.add("solver.h",
+                         fmt::format("must be at most {:.4g} s with method = \"cundall\", or oscillations of "
+                                     "{} may grow, found {:.4g} s a substep in stage '{}'; take a smaller "
+                                     "step, or say unsafe = true",
+                                     bounds.stable, bounds.contact, h, stage.name));
+        }
+        if (stage.until) {
+            problems.add(
+                fmt::format("stages.{}.until", stage.name),
+                "must be absent with method = \"cundall\": there is no residual to settle by; prepare the sample "
+                "with nsgs, or give the stage a duration");
+        }
+    }
+    if (scene.output.measures.energy) {
+        problems.add("output.measures.energy",
+                     "must be absent where a stage has method = \"cundall\", found true: what "
+                     "springs hold is not in the budget; remove it");
     }
 }
 
@@ -328,6 +374,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     check_materials(scene, problems);
     check_kept_geometry(scene, problems);
     check_correction(scene, problems);
+    check_smooth_stages(scene, problems);
     check_wall_points(scene, problems);
     check_zone(scene, problems);
     check_coupling(scene, problems);

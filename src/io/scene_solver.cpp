@@ -25,6 +25,26 @@ void refuse_beside_other_sweeps(const TableReader& table, const char* key, const
     }
 }
 
+void check_smooth(const TableReader& table, const SolverSettings& solver) {
+    if (!is_smooth(solver)) {
+        if (table.has("unsafe")) {
+            table.problem("unsafe", "must be absent unless method = \"cundall\"",
+                          "rigid contacts are solved for, no step makes them unstable: remove it");
+        }
+        return;
+    }
+    if (!table.has("method")) {
+        return;
+    }
+    for (const auto* key : {"sweeps", "tolerance", "max_sweeps", "check_every", "at_max", "adaptive", "theta",
+                            "coupling", "precision", "warm_start", "geometry_every", "position_correction"}) {
+        if (table.has(key)) {
+            table.problem(key, "must be absent with method = \"cundall\"",
+                          "smooth contacts are not solved for: remove it, or give it to the stages that are rigid");
+        }
+    }
+}
+
 } // namespace
 
 void read_solver_keys(const TableReader& table, SolverSettings& solver, Need step_needed) {
@@ -49,6 +69,13 @@ void read_solver_keys(const TableReader& table, SolverSettings& solver, Need ste
     read_choice<AtMax>(table, "at_max", {{"accept", AtMax::accept}, {"stop", AtMax::stop}}, solver.at_max);
     table.read("position_correction", solver.position_correction,
                between(0, 1, "", "give the share of each overlap to take away, 0.8 is usual"));
+    table.read("unsafe", solver.unsafe, "true lets a smooth stage have a step that may be unstable");
+    check_smooth(table, solver);
+    if (is_smooth(solver)) {
+        const bool unsafe = solver.unsafe;
+        solver = smooth_settings(solver.h, table.has("substeps") ? solver.substeps : 1);
+        solver.unsafe = unsafe;
+    }
 }
 
 void choose(Accuracy accuracy, bool rebounds, bool cohesive, const TableReader& solver_table, SolverSettings& solver) {

@@ -62,6 +62,12 @@ public:
     SolveReport solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
                       const SolverSettings& settings, int sweeps, double scale);
 
+    /// **Collective.** Smooth contacts over a step of h: their forces, from the velocities u_old, act on u, colour by colour.
+    void press(ContactsOf<D>& contacts, Halo<D>& halo, const std::vector<BodyVelocity<D>>& u_old,
+               std::vector<BodyVelocity<D>>& u, double h) {
+        sweep_.run(1, 1, halo, u, [&](std::size_t t, std::size_t) { contacts.press(t, u_old, u, h); });
+    }
+
     /// **Collective.** n passes of the correction of positions that `contacts` has begun; w are its velocities.
     void correct(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& w, int n);
 
@@ -81,7 +87,7 @@ public:
     const std::vector<std::int32_t>& tile_sweeps() const { return iteration_->tile_sweeps(); }
 
     /// Local. Iteration::bytes_of_bodies. Pre: a solve.
-    std::size_t bytes_of_method() const { return iteration_->bytes_of_bodies(); }
+    std::size_t bytes_of_method() const { return iteration_ ? iteration_->bytes_of_bodies() : 0; }
 
 private:
     /// One solve and its limits.

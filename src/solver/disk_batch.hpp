@@ -49,6 +49,13 @@ struct alignas(64) SingleBatch {
     std::uint32_t a[n_lanes], b[n_lanes];
 };
 
+/// Springs and dashpots of a batch, kept only while contacts are smooth.
+struct alignas(64) SpringBatch {
+    double k_n[n_lanes], k_s[n_lanes]; ///< [N/m]
+    double c_n[n_lanes], c_s[n_lanes]; ///< [N s/m]
+    double mu[n_lanes];
+};
+
 struct SearchBatch;
 
 /// n batches that follow each other, and what the scene's laws add to each of them: nullptr where nothing.
@@ -154,6 +161,10 @@ struct DiskKernels {
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,
                  const BodyArrays& bodies, GapBatch* out);
+    /// Cundall's contacts (disk_smooth.inl) for a step of h: from the gaps kept, the velocities u_old and the tangential
+    /// springs in r_t, forces times h. r_n becomes the normal one, r_t the spring's part of the tangential one, `summed` the
+    /// rest of it; their effect is added to `u`. Pre: gaps and sums are kept.
+    void (*press)(const BatchSpan& batches, const SpringBatch* springs, const double* u_old, double* u, double h);
     /// The batches, rounded.
     void (*round_batches)(const BatchSpan& batches, SingleBatch* contacts);
     /// `relax` in single precision; the law's limits are those of `batches`.

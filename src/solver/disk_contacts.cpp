@@ -54,14 +54,15 @@ PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates
     // Laws that look at approach velocities have every tile packed anew.
     const bool may_stay = !activate_all && !laws_.features.restitution;
     for (std::size_t t = 0; t < ranges_.size() && !fresh_; ++t) {
+        store_tile(t, candidates); // its batches will be needed anyway: who undoes a step finds its impulses there
         if (may_stay && refresh_tile(t, step, faults)) {
             continue;
         }
-        store_tile(t, candidates);
         n_active_ -= ranges_[t].active;
         if (!pack_tile(t, step, faults)) { // no room: all tiles move, with the impulses they have
-            ranges_[t].n = 0;
-            store_tiles_but(t, candidates);
+            for (auto behind = t + 1; behind < ranges_.size(); ++behind) {
+                store_tile(behind, candidates);
+            }
             fresh_ = true;
             break;
         }
@@ -131,6 +132,7 @@ bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& fau
     Range& range = ranges_[tile];
     range.n = range.active = range.packed = 0;
     range.asleep = 0;
+    range.others_are_zero = false;
     filled_.clear();
     first_open_ = 0;
     if (n_packed_ > std::numeric_limits<std::int32_t>::max() / 2) {
@@ -277,10 +279,25 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
     if (cohesive_) {
         refresh_bond(at * n_lanes + l, step, c);
     }
+    if (smooth_) {
+        set_springs(at, l, step.state.material[a], step.state.material[b]);
+    }
     source_[static_cast<std::size_t>(at * n_lanes + l)] = c;
     ++range.active;
     ++range.packed;
     return at * n_lanes + l;
+}
+
+void DiskContacts::set_springs(std::int64_t batch, int l, int material_a, int material_b) {
+    const Springs& given = laws_.springs(material_a, material_b);
+    const double m = batches_[static_cast<std::size_t>(batch)].m_eff[l];
+    const auto dashpot = [m](const SpringDashpot& of) { return of.c ? *of.c : 2 * std::sqrt(m * of.k); };
+    SpringBatch& springs = springs_[static_cast<std::size_t>(batch)];
+    springs.k_n[l] = given.normal.k;
+    springs.k_s[l] = given.tangential.k;
+    springs.c_n[l] = dashpot(given.normal);
+    springs.c_s[l] = dashpot(given.tangential);
+    springs.mu[l] = laws_.friction(material_a, material_b);
 }
 
 /// missed_any for the contacts of disks that sleep in their lanes.

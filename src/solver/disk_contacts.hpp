@@ -5,31 +5,16 @@
 #include "core/contact_set.hpp"
 #include "core/state.hpp"
 #include "core/walls.hpp"
+#include "solver/contact_reports.hpp"
 #include "solver/disk_batch.hpp"
 #include "solver/pair_laws.hpp"
 
 #include <array>
-#include <limits>
 #include <vector>
 
 namespace nappe {
 
-/// Distances between convergence and truth: largest and RMS of |W (r - P(r - u/W))| over active contacts [m/s], to be
-/// divided by a velocity scale (docs/notation.md, "residual").
-struct RawResidual {
-    double largest_squared = 0;
-    double sum_squared = 0; ///< of one tile, in the order of its contacts
-    std::int64_t contacts = 0;
-};
-
-inline constexpr std::size_t no_tile = std::numeric_limits<std::size_t>::max();
-
-/// What packing met; ids rather than exceptions, since all ranks must hear of it together.
-struct PackFaults {
-    static constexpr GlobalId none = std::numeric_limits<GlobalId>::max();
-    GlobalId through_wall = none; ///< lowest id of a grain whose centre went through a wall
-    int wall = -1;
-};
+inline constexpr std::size_t no_tile = static_cast<std::size_t>(-1);
 
 /// Batches stay from step to step: as long as no contact comes to act that has no lane, a tile only gets new normals and
 /// biases, and contacts that fall asleep keep their lanes, without effect. Else the tile is packed anew: each contact
@@ -47,7 +32,16 @@ public:
     /// act is looked for that far ahead. They are kept also if positions are to be corrected. To be followed by `forget`.
     void set_kept(int substeps, bool correcting) {
         kept_ = substeps;
-        keeps_gaps_ = substeps > 1 || correcting;
+        keeps_gaps_ = substeps > 1 || correcting || smooth_;
+    }
+
+    /// Local. From now on, springs and dashpots instead of rigid contacts; to be followed by `set_kept`.
+    void set_smooth(bool smooth) { smooth_ = smooth; }
+
+    /// Local. Cundall's forces of one tile over a step of h (DiskKernels::press). Pre: set_smooth, pack.
+    void press(std::size_t tile, const std::vector<BodyVelocity<2>>& u_old, std::vector<BodyVelocity<2>>& u, double h) {
+        const Range& range = ranges_[tile];
+        kernels_->press(span(range), springs_.data() + range.begin, doubles(u_old), doubles(u), h);
     }
 
     /// Local. Prepares the correction of positions after a step of h that ends at velocities u (DiskKernels), and one of
@@ -70,8 +64,9 @@ public:
     void forget() { fresh_ = true; }
 
     /// Local. Geometry of every candidate at the predicted positions; those that may act in a step of h are packed, the
-    /// first time with their impulses from `candidates`, later with those that the batches hold. Who may act: a gap
-    /// below what the pair could close at twice its present speed of approach, plus 1 % of the radii; the others sleep.
+    /// first time with their impulses from `candidates`, later with those that the batches hold, which are stored there
+    /// first. Who may act: a gap below what the pair could close at twice its present speed of approach, plus 1 % of the
+    /// radii; the others sleep.
     /// `activate_all` packs every candidate. Pre: u is the free velocity, u_old that of the step's start; `candidates`
     /// are those of the last call, or `forget` was called; with cohesion their bonds are those of this step, and what is
     /// bonded acts whatever its gap.
@@ -231,6 +226,7 @@ public:
         f("memory[0]", memory_[0]);
         f("memory[1]", memory_[1]);
         f("single", single_);
+        f("springs", springs_);
     }
 
     /// By one sweep, without bodies.
@@ -245,6 +241,7 @@ private:
         std::int64_t packed = 0; ///< contacts with a lane
         std::int64_t active = 0; ///< of them, those that do not sleep
         std::int32_t candidates_begin = 0, n_candidates = 0;
+        mutable bool others_are_zero = false;      ///< candidates without a lane have no impulse stored
         BodyRange bodies;                          ///< the tile's own
         std::int32_t asleep = 0;                   ///< entries of asleep_ from candidates_begin on
         std::int32_t walls_begin = 0, n_walls = 0; ///< entries of walls_
@@ -337,6 +334,9 @@ private:
         }
     }
 
+    /// Normals serve for several substeps, or tangential forces have a part that no spring remembers.
+    bool sums() const { return kept_ > 1 || smooth_; }
+
     void lay_out(const Step& step);
     void refresh_bonds(const Range& range, const Step& step);
     void refresh_bond(std::int64_t slot, const Step& step, std::int32_t c);
@@ -355,12 +355,12 @@ private:
         deepest_ = overlap > deepest_ ? overlap : deepest_;
     }
     std::int64_t place(Range& range, const Step& step, std::int32_t c, const Found& found);
+    void set_springs(std::int64_t batch, int l, int material_a, int material_b);
     void grow(Range& range, std::int64_t n);
     void clear(std::int64_t at, LocalId null_body);
     void measure(const std::int32_t* which, std::int32_t n, const CandidateSet<2>& candidates, std::int32_t from,
                  const BodyArrays& bodies);
     void store_tile(std::size_t tile, CandidateSet<2>& candidates) const;
-    void store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const;
 
     PairLaws laws_;
     const DiskKernels* kernels_;
@@ -370,9 +370,11 @@ private:
     std::vector<CohesionBatch> cohesion_;            ///< empty unless cohesive_
     std::array<std::vector<SearchBatch>, 2> memory_; ///< empty unless a method asked for it
     std::vector<KeptGapBatch> kept_gaps_;            ///< empty unless keeps_gaps_
-    std::vector<SearchBatch> summed_;                ///< empty unless normals serve for several substeps
+    std::vector<SearchBatch> summed_;                ///< empty unless sums()
     std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
     std::vector<SingleBatch> single_;                ///< empty unless swept over in single precision
+    std::vector<SpringBatch> springs_;               ///< empty unless smooth_
+    bool smooth_ = false;
     bool keeps_gaps_ = false;
     int kept_ = 1; ///< substeps that normals serve for
     bool cohesive_ = false;

@@ -20,6 +20,7 @@ void DiskContacts::lay_out(const Step& step) {
     cohesion_.clear();
     kept_gaps_.clear();
     summed_.clear();
+    springs_.clear();
     walls_.clear();
     asleep_.resize(static_cast<std::size_t>(candidates.size()));
     ranges_.assign(n_tiles, {});
@@ -58,8 +59,11 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     if (keeps_gaps_) {
         kept_gaps_.resize(batches_.size());
     }
-    if (kept_ > 1) {
+    if (sums()) {
         summed_.resize(batches_.size());
+    }
+    if (smooth_) {
+        springs_.resize(batches_.size());
     }
 }
 
@@ -78,6 +82,9 @@ void DiskContacts::clear(std::int64_t at, LocalId null_body) {
     }
     if (keeps_gaps_) {
         kept_gaps_[static_cast<std::size_t>(at)] = {};
+    }
+    if (smooth_) {
+        springs_[static_cast<std::size_t>(at)] = {};
     }
 }
 
@@ -120,28 +127,38 @@ void DiskContacts::remember(int n) {
 }
 
 void DiskContacts::store(CandidateSet<2>& candidates) const {
-    if (!fresh_) {
-        store_tiles_but(ranges_.size(), candidates);
-    }
-}
-
-void DiskContacts::store_tiles_but(std::size_t left_out, CandidateSet<2>& candidates) const {
-    for (std::size_t t = 0; t < ranges_.size(); ++t) {
-        if (t != left_out) {
-            store_tile(t, candidates);
-        }
+    for (std::size_t t = 0; t < ranges_.size() && !fresh_; ++t) {
+        store_tile(t, candidates);
     }
 }
 
 void DiskContacts::store_tile(std::size_t tile, CandidateSet<2>& candidates) const {
+    // By lane, and nothing twice: every step does this.
     const auto& of = candidates.tiles[tile];
-    for (auto c = of.candidates_begin; c < of.candidates_end; ++c) {
-        candidates.set_impulse(static_cast<std::size_t>(c), {});
+    const Range& range = ranges_[tile];
+    if (!range.others_are_zero) {
+        const auto n = of.candidates_end - of.candidates_begin;
+        std::fill_n(candidates.r_n.begin() + of.candidates_begin, n, 0.0);
+        if (!candidates.r_t.empty()) {
+            std::fill_n(candidates.r_t.begin() + of.candidates_begin, n, std::array{0.0});
+        }
+        range.others_are_zero = true;
     }
-    for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
-        const auto c = static_cast<std::size_t>(source_[static_cast<std::size_t>(k * n_lanes + l)]);
-        candidates.set_impulse(c, {batch.r_n[l], {tangential(k, l)}});
-    });
+    double* const r_n = candidates.r_n.data();
+    std::array<double, 1>* const r_t = candidates.r_t.data();
+    for (auto k = static_cast<std::size_t>(range.begin); k < static_cast<std::size_t>(range.begin + range.n); ++k) {
+        const std::int32_t* const source = &source_[k * n_lanes];
+        for (std::size_t l = 0; l < n_lanes; ++l) {
+            if (source[l] >= 0) {
+                r_n[source[l]] = batches_[k].r_n[l];
+            }
+        }
+        for (std::size_t l = 0; l < n_lanes && !tangent_.empty(); ++l) {
+            if (source[l] >= 0) {
+                r_t[source[l]][0] = tangent_[k].r_t[l];
+            }
+        }
+    }
 }
 
 std::size_t DiskContacts::bytes_swept() const {

@@ -21,6 +21,8 @@ std::unique_ptr<Iteration<D>> make_iteration(SolverSettings::Method method, Tile
         return std::make_unique<Apgd<D>>(sweep);
     case SolverSettings::Method::cpg:
         return std::make_unique<Cpg<D>>(sweep);
+    case SolverSettings::Method::cundall: // nothing to iterate
+        break;
     }
     return nullptr;
 }

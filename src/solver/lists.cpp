@@ -82,6 +82,7 @@ void Simulation<D>::relist() {
     solver_.order_tiles(candidates_, settings().adaptive.has_value());
     costs_.relist(candidates_);
     find_reported_tiles();
+    damping_.clear();
     ++counters_.rebuilds;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (moved) {

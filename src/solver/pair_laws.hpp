@@ -20,12 +20,16 @@ struct PairLaws {
         return range_[static_cast<std::size_t>(a * n_ + b)];
     } ///< d_w [m], 0 if gamma is
 
+    /// Pre: the pair has springs.
+    const Springs& springs(int a, int b) const { return *springs_[static_cast<std::size_t>(a * n_ + b)]; }
+
     Features features;           ///< of the scene
     double uniform_friction = 0; ///< for all pairs, unless features.mixed_friction
 
 private:
     int n_ = 0;
     std::vector<double> friction_, restitution_, gamma_, range_;
+    std::vector<std::optional<Springs>> springs_;
 };
 
 } // namespace nappe

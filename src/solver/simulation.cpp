@@ -108,6 +108,7 @@ template <int D>
 void Simulation<D>::configure_stage() {
     // Samples are prepared without cohesion, so that all strengths of it start from one.
     contacts_.set_cohesive(!scene_.stages[static_cast<std::size_t>(stage_)].until);
+    contacts_.set_smooth(smooth());
     contacts_.set_kept(std::min(settings().geometry_every, settings().substeps), settings().position_correction > 0);
     domain_.halo().couple_by_sweep(settings().coupling == SolverSettings::Coupling::sweep);
     state_.attraction = contacts_.cohesive() ? 0.5 * largest_range(scene_) : 0.0;

@@ -14,6 +14,7 @@
 #include "solver/contact_solver.hpp"
 #include "solver/step_start.hpp"
 #include "solver/tile_costs.hpp"
+#include "solver/undo.hpp"
 #include "solver/watcher.hpp"
 
 #include <optional>
@@ -81,9 +82,9 @@ public:
     /// scene's [watch] says), naming the grain, on all ranks alike.
     std::uint32_t step(std::uint32_t outside = 0, bool with_residual = false);
 
-    /// **Collective.** After `step` threw NumericalFailure: grains, walls, series and the watch are those of the start of
-    /// that step. Impulses are what was found until it failed, 0 if something was not finite. False: lists were being
-    /// rebuilt, and nothing here can be used.
+    /// **Collective.** After `step` threw NumericalFailure: all that `snapshot` takes is what it was at the start of that
+    /// step, or after the rebuild that it began with; the next step goes on to the same bits. False: that rebuild had not
+    /// ended, and nothing here can be used.
     bool undo_step();
 
     /// Of the last step, if it was asked for.
@@ -98,6 +99,7 @@ public:
     /// With the impulses of the last step.
     const CandidateSet<D>& candidates() const {
         if (impulses_stale_) {
+            keep_impulses();
             contacts_.store(candidates_);
             impulses_stale_ = false;
         }
@@ -149,6 +151,10 @@ private:
     void predict_kept(double h);
     void put_back(const StepStart<D>& start);
     void keep(StepStart<D>& start) const;
+    void go_back();
+    void note_start(); // undo.cpp
+    void keep_impulses() const;
+    void secure_start();
     void change_substep(double h);
     bool substep(const Solve& solve);
     void begin_substep();
@@ -157,6 +163,10 @@ private:
     void end_substep(double h);
     bool walls_change_speed() const;
     bool corrects() const { return settings().position_correction > 0; }
+    bool smooth() const { return is_smooth(settings()); }
+    void press(double h); // smooth.cpp
+    void damp(double h);
+    void find_damping(double h);
     void note_gain(double h); // correction.cpp
     void correct_positions(double h, int sweeps);
     void move_apart(double h);
@@ -173,6 +183,7 @@ private:
     void take(std::vector<GrainRecord<D>> records, const std::vector<ContactRow<D>>& impulses,
               const std::vector<TileOwner>& owners);
     void take_sums(const Snapshot<D>& from); // snapshot.cpp
+    Snapshot<D> snapshot_with(const CandidateSet<D>& candidates, ContactSums<D> sums, EnergySums<D> energy) const;
     SnapshotClock clock() const;
     void set_clock(const SnapshotClock& clock);
     void configure_stage();
@@ -227,6 +238,7 @@ private:
     bool energy_wanted_ = false;
     Counters counters_;
     Watcher watcher_;
+    mutable Undo<D> undo_;
 
     /// What a look at all grains of a (sub)step found on this rank.
     struct Gauge {
@@ -259,6 +271,12 @@ private:
         correction_;            ///< displacements of the step over h; empty unless positions are corrected
     double lift_ = 0;           ///< potential energy that they cost [J]
     double steering_scale_ = 0; ///< V that tolerance and quiet tiles go by [m/s]
+    /// Of Cundall's global damping, C h / 2m and C* h / 2I, for substeps of damping_h_ [s]; rows of grains held.
+    struct Damping {
+        double a = 0, of_spin = 0;
+    };
+    std::vector<Damping> damping_; ///< empty unless contacts are smooth
+    double damping_h_ = 0;
     std::vector<double> gains_; ///< mechanical energy of each tile's grains, since the last correction [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;

@@ -129,19 +129,24 @@ void Simulation<D>::set_clock(const SnapshotClock& clock) {
 
 template <int D>
 Snapshot<D> Simulation<D>::snapshot() const {
+    return snapshot_with(candidates(), sums_, energy_);
+}
+
+/// With these impulses and sums.
+template <int D>
+Snapshot<D> Simulation<D>::snapshot_with(const CandidateSet<D>& candidates, ContactSums<D> sums,
+                                         EnergySums<D> energy) const {
     Snapshot<D> s;
     s.clock = clock();
     s.grains.reserve(static_cast<std::size_t>(state_.n_own));
     for (LocalId i = 0; i < state_.n_own; ++i) {
         s.grains.push_back(grain_of(state_, i));
     }
-    s.impulses = contact_rows();
+    s.impulses = impulse_rows(state_, candidates);
     for (std::size_t w = 0; w < walls_.offset.size(); ++w) {
         s.walls.push_back({array_of<D>(walls_.offset[w]), array_of<D>(walls_.offset_ref[w]), array_of<D>(walls_.v[w]),
                            array_of<D>(walls_.v_old[w]), walls_.margin[w]});
     }
-    auto sums = sums_;
-    auto energy = energy_;
     const auto keep = [&](ExactSum& sum) { s.sums.insert(s.sums.end(), sum.limbs().begin(), sum.limbs().end()); };
     sums.for_each_sum(keep);
     energy.for_each_sum(keep);
@@ -210,6 +215,7 @@ void Simulation<D>::take_sums(const Snapshot<D>& from) {
 template SnapshotClock Simulation<2>::clock() const;
 template void Simulation<2>::set_clock(const SnapshotClock&);
 template Snapshot<2> Simulation<2>::snapshot() const;
+template Snapshot<2> Simulation<2>::snapshot_with(const CandidateSet<2>&, ContactSums<2>, EnergySums<2>) const;
 template void Simulation<2>::resume(const Snapshot<2>&);
 template void Simulation<2>::take_sums(const Snapshot<2>&);
 

@@ -28,8 +28,15 @@ bool Simulation<D>::substep(const Solve& asked) {
     bool activate_all = false;
     for (int attempt = 1;; ++attempt) {
         predict(h);
+        if (smooth()) {
+            damp(h);
+        }
         const PackFaults faults = detect(h, activate_all);
-        solve(h, asked.sweeps, Start::warm, asked.with_residual);
+        if (smooth()) {
+            press(h);
+        } else {
+            solve(h, asked.sweeps, Start::warm, asked.with_residual);
+        }
         if (corrects()) {
             gains_.clear();
             note_gain(h);
@@ -54,6 +61,7 @@ bool Simulation<D>::substep(const Solve& asked) {
         // Redone from the same start, but from the impulses found so far.
         if ((agreed_ & flag::outran_list) != 0) {
             ++counters_.redone_lists;
+            secure_start();
             widen_margins(h);
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
             renew_lists();
@@ -81,6 +89,9 @@ bool Simulation<D>::substep(const Solve& asked) {
 template <int D>
 void Simulation<D>::begin_substep() {
     const bool first = done_ == 0;
+    if (rebuild_due_) {
+        secure_start();
+    }
     start_.held = start_.held && !first;
     if (rebuild_due_) {
         set_margins();
@@ -90,6 +101,7 @@ void Simulation<D>::begin_substep() {
     if (first && parts_ > 1) {
         keep(start_);
     }
+    note_start();
     find_bonds();
 }
 
@@ -183,7 +195,8 @@ void Simulation<D>::place_walls() {
 template <int D>
 PackFaults Simulation<D>::detect(double h, bool activate_all) {
     const auto lap = watch_.lap(Timed::geometry);
-    impulses_stale_ = true;
+    keep_impulses();
+    undo_.packed = impulses_stale_ = true;
     return contacts_.pack(state_, candidates_, walls_, h, activate_all);
 }
 
@@ -307,7 +320,8 @@ std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults, co
             flags |= flag::rebuild_next;
         }
     }
-    if (contacts_.missed_any(state_, candidates_, walls_, h)) {
+    // What sleeps wakes in time: a smooth contact acts no earlier than its disks overlap where a step begins.
+    if (!smooth() && contacts_.missed_any(state_, candidates_, walls_, h)) {
         flags |= flag::missed_contact;
     }
     return flags;

@@ -13,10 +13,13 @@ std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
     parts_ = n;
     done_ = 0;
     predicted_ = start_.held = false;
+    undo_.noted = undo_.kept = false;
+    undo_.snapshot.reset();
+    undo_.wall_v = walls_.v;
     drive_walls();
     watcher_.begin_step();
     while (!take_step(outside, with_residual)) {
-        undo_step();
+        go_back();
         parts_ *= 2;
         watcher_.begin_step_again(parts_);
         change_substep(settings().h / parts_);
@@ -27,6 +30,8 @@ std::uint32_t Simulation<D>::step(std::uint32_t outside, bool with_residual) {
     sums_.end_steps(n);
     ++stage_steps_;
     ++counters_.steps;
+    undo_.noted = false;
+    undo_.snapshot.reset();
     return agreed_ & ~(flag::outside_first - 1);
 }
 
@@ -109,11 +114,9 @@ void Simulation<D>::put_back(const StepStart<D>& start) {
     }
 }
 
+/// Back to the start of the step, for another try: impulses are what was found until now, 0 if something was not finite.
 template <int D>
-bool Simulation<D>::undo_step() {
-    if (comm_.bit_or(intact_ ? 0U : 1U) != 0) {
-        return false;
-    }
+void Simulation<D>::go_back() {
     if (predicted_ && (agreed_ & flag::not_finite) != 0) {
         candidates();
         std::fill(candidates_.r_n.begin(), candidates_.r_n.end(), 0.0);
@@ -134,8 +137,6 @@ bool Simulation<D>::undo_step() {
     }
     predicted_ = false;
     rebuild_due_ = false;
-    watcher_.forget_step();
-    return true;
 }
 
 /// Substeps are h long from now on.

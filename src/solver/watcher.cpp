@@ -22,10 +22,6 @@ void Watcher::begin_step_again(int substeps) {
     found_.fill(false);
 }
 
-void Watcher::forget_step() {
-    memory_ = at_start_;
-}
-
 bool Watcher::count(Watched what) {
     const auto k = static_cast<std::size_t>(what);
     if (found_[k]) {

@@ -56,8 +56,6 @@ public:
     /// A step begins, or begins again: what it has found so far does not count.
     void begin_step();
     void begin_step_again(int substeps);
-    /// The step in hand has not been: what is remembered is what was when it began; lines stay.
-    void forget_step();
 
     /// Counts a step in which this was found, once a step.
     /// @returns whether the user is to be told: the first time, the second, the fourth, the eighth …

@@ -45,7 +45,7 @@ inline HeavyScene column(const char* name, double ratio, int n, bool heavy_on_to
         b.grain(r, {0, r * (2 * k + 1)}, {0, 0}, 0, is_heavy ? heavy : 0);
         weights.push_back(disk_mass(r, light_density * (is_heavy ? ratio : 1)) * standard_gravity);
     }
-    HeavyScene scene{name, ratio, b.scene(), {}, n};
+    HeavyScene scene{name, ratio, b.scene(), {}, static_cast<double>(n)};
     for (int k = n - 1; k >= 0; --k) { // what stands on contact k
         scene.weight += weights[static_cast<std::size_t>(k)];
         scene.known.push_back({k == 0 ? 0 : k - 1, k == 0 ? wall_id(0) : k, scene.weight});

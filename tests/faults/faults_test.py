@@ -111,7 +111,7 @@ class Disks(FaultTest):
 
     @with_mounts
     def test_full_for_checkpoints_alone(self, disk):
-        # The run goes on, says so each time, and the checkpoint before stands.
+        # The run goes on, each time with a word, and the checkpoint before stands.
         self.out = disk / "out"
         process = self.start("--checkpoint-every", "5", "--set", "output.frames.every=1000")
         self.wait(process, self.checkpoints)
@@ -265,8 +265,8 @@ class Files(FaultTest):
 class Failures(FaultTest):
     """Steps that can not be taken, or that [watch] stops (parallel.watch has what is found, and where)."""
 
-    def fails(self, *keys, ranks=2):
-        result = self.run_it(*sets(**dict(keys)), "--checkpoint-every", "50", ranks=ranks, code=NUMERICAL)
+    def fails(self, key, value):
+        result = self.run_it("--set", f"{key}={value}", "--checkpoint-every", "50", code=NUMERICAL)
         self.assertEqual(len(result.errors), 1, result.err)
         self.assertIn("the state before the step that failed is in a checkpoint", result.err)
         self.assertNotIn("summary.json", [path.name for path in self.out.iterdir()])
@@ -281,14 +281,45 @@ class Failures(FaultTest):
         frames = sorted(path.name for path in (self.whole.out / "frames").iterdir())
         first, last = highest(frames[0]), max(highest(frame) for frame in frames)
         self.assertGreater(last, first + 0.02, "nothing rises: the case is none")
-        said = self.fails(("watch.bounds", f"{{ min = [-1, -1], max = [50, {(first + last) / 2}] }}"))
+        said = self.fails("watch.bounds", f"{{ min = [-1, -1], max = [50, {(first + last) / 2}] }}")
         step = int(re.search(r"step (\d+) of stage 'push'", said)[1])
         self.assertIn("grain ", said)
         self.assertEqual(self.last_step(), step - 1)
+        before = self.checkpoints()
         self.assertIn(f"step {step} of", self.restart(code=NUMERICAL, ranks=3).result.errors[0])
+        self.assertEqual(self.last_step(), step - 1)
+        self.assertEqual(self.checkpoints(), before, "the same state twice, in place of the one before the trouble")
         run = self.restart("--set", "watch.bounds.do=warn")
-        self.assertEqual(run.summary["steps"], self.whole.summary["steps"])
         self.assertGreater(run.summary["watch"]["bounds"], 0)
+        self.assert_same(self.whole, run, but=["scene.toml"])
+
+    def test_a_step_that_fails_while_a_sample_is_prepared(self):
+        # A sample is kept for other runs: what is taken up after a stop must be the one that all would have made.
+        self.prepared_here()
+        self.fails("watch.overlap", '{ limit = 0.05, do = "stop" }')
+        self.assertGreater(self.last_step(), 1)
+        self.assertEqual(list(self.samples.glob("*.hdf")), [], "it was loading already: the case is none")
+        self.assertIn("overlap", self.restart(code=NUMERICAL, ranks=3).result.errors[0])
+        self.assert_same(self.whole, self.restart("--set", "watch.overlap.do=warn", ranks=1), but=["scene.toml"])
+        self.assert_same_samples()
+
+    def prepared_here(self):
+        self.samples = self.folder / "samples"
+
+    def assert_same_samples(self):
+        made, wanted = ([path.read_bytes() for path in folder.glob("*.hdf")] for folder in (self.samples, type(self).samples))
+        self.assertEqual(made, wanted)
+
+    def test_a_stage_that_takes_too_long_to_settle(self):
+        self.prepared_here()
+        key = "stages.settle.until.at_most"
+        result = self.run_it("--set", f"{key}=1", code=NUMERICAL)
+        self.assertIn("did not settle within 1 s", result.errors[0])
+        self.assertIn(f"--set {key}=…", result.err)
+        self.assertEqual(self.last_step(), 40, "1 s in steps of 0.025 s")
+        self.assertIn("did not settle", self.restart(code=NUMERICAL).result.errors[0])
+        self.assert_same(self.whole, self.restart("--set", f"{key}=1000", ranks=3), but=["scene.toml"])
+        self.assert_same_samples()
 
     def test_warnings_change_nothing_and_are_counted_through_restarts(self):
         keys = ("--set", "watch.overlap.limit=0.01")

@@ -2,11 +2,12 @@
 
 import os
 import resource
+import shutil
 import signal
 import subprocess
 
 from processes import ranks_of
-from run_kit import BAD_INPUT, FOLD, LONG, MOST, OTHER, FaultTest, call, paths, sets, start
+from run_kit import BAD_INPUT, FOLD, LONG, MOST, OTHER, STOPPED, FaultTest, call, paths, sets, start
 
 from nappe_driver import Run, finish, main
 
@@ -38,6 +39,42 @@ class Folders(FaultTest):
         self.assertEqual(self.contents(), before)
         result = self.run_it("--overwrite")
         self.assertEqual(Run(self.out, result).files(), self.whole.files(), "frames of two runs")
+
+    def test_frames_without_a_checkpoint_are_not_run_over(self):
+        process = self.start("--checkpoint-every", "never")
+        self.wait(process, lambda: len(list((self.out / "frames").glob("*.hdf"))) > 1)
+        for pid in ranks_of(process.pid, paths.nappe):
+            os.kill(pid, signal.SIGKILL)
+        finish(process, MOST)
+        (self.out / ".lock").unlink()  # of the dead
+        before = self.contents()
+        self.assertIn("found its frames, and no checkpoint", self.run_it(code=BAD_INPUT).errors[0])
+        self.assertEqual(self.contents(), before)
+        (self.out / "summary.json").write_text("{}")
+        shutil.rmtree(self.out / "frames")
+        self.assert_same(self.whole, Run(self.out, self.run_it("--overwrite")))
+
+    def test_a_kernel_that_one_machine_does_not_have(self):
+        run = [paths.nappe, "run", FOLD, *LONG, "--out", self.out, "--kernel"]
+        command = [paths.mpirun, "-n", "1", *run, "portable", ":", "-n", "1", *run, "avx4096"]
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=MOST)
+        self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+        self.assertEqual(done.stderr.count("avx4096"), 1, done.stderr)
+        self.assertFalse(self.out.exists())
+
+    def test_a_stop_while_preparing_that_can_not_be_kept(self):
+        # What was kept before stands: the run can go on, and a batch script must know.
+        self.samples = self.folder / "samples"
+        process = self.start("--checkpoint-every", "3", "--set", "solver.sweeps=300")
+        self.wait(process, lambda: len(self.checkpoints()) == 2)
+        ranks = ranks_of(process.pid, paths.nappe)
+        for pid in ranks:
+            resource.prlimit(pid, resource.RLIMIT_FSIZE, (2000, 2000))
+        os.kill(ranks[0], signal.SIGUSR1)
+        result = finish(process, MOST)
+        self.assertEqual(result.code, STOPPED, str(result))
+        self.assertIn("stopped while preparing, and this state is in no checkpoint; nappe restart", result.err)
+        self.assertGreater(len(self.checkpoints()), 0)
 
     def test_what_a_restart_is_told_outlives_it(self):
         self.run_it("--steps", "20")

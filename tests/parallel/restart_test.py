@@ -12,6 +12,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
 from nappe_driver import SCENES, Run, call, finish, main, sets, start  # noqa: E402
 from same_files import SameFiles  # noqa: E402
+from smooth_keys import SMOOTH  # noqa: E402
 
 FOLD = SCENES / "small_fold.toml"
 FAULT = SCENES / "small_fault.toml"
@@ -27,8 +28,11 @@ class Restarts(SameFiles):
     def checkpoints(self, out):
         return sorted((out / "checkpoints").glob("*.json"))
 
+    def notes_kept(self, out):
+        return [json.loads(path.read_text())["notes"] for path in self.checkpoints(out)]
+
     def steps_kept(self, out):
-        return [json.loads(path.read_text())["notes"]["step"] for path in self.checkpoints(out)]
+        return [notes["step"] for notes in self.notes_kept(out)]
 
     def in_parts(self, scene, stops, rank_counts, *arguments, whole=None):
         """The whole run on one rank, and the same in parts that end with the steps in `stops`."""
@@ -91,6 +95,10 @@ class Restarts(SameFiles):
                 whole = self.run_scene(FOLD, *sets(**keys), ranks=1, out="whole")
                 self.in_parts(FOLD, (7 + 3 * k, 35 + k), (2, 3, 1), *sets(**keys), whole=whole)
 
+    def test_smooth_contacts(self):
+        # The tangential springs are what is not in positions and velocities.
+        self.in_parts(FOLD, (333, 777), (2, 3, 1), *SMOOTH, *sets(stages__push__duration=0.1, tiles__skin=0.005, tiles__lookahead=1))
+
     def test_coupled_once_a_sweep_on_the_same_ranks(self):
         # Here results follow from who owns which tiles; none may move, since when they do, clocks have a say.
         keys = sets(stages__push__solver__coupling="sweep", balance__threshold=1000)
@@ -122,6 +130,13 @@ class Restarts(SameFiles):
         refused = call(["restart", out, *sets(solver__sweeps=150)], 2)
         self.assertEqual(refused.code, 2, str(refused))
         self.assertIn("what a sample is prepared by must be as the run began", refused.err)
+        # As many steps of loading as of settling are another state: it is kept.
+        kept = self.steps_kept(out)[-1]
+        self.assertLess(kept, whole.summary["steps"], "it stopped too late: the case is none")
+        shutil.copytree(out, self.folder / "copy")
+        self.restart(self.folder / "copy", "--steps", kept, ranks=2)
+        self.assertEqual(self.notes_kept(self.folder / "copy")[-1]["stage"], "push")
+        shutil.rmtree(self.folder / "samples")
         run = self.restart(out, ranks=3)
         self.assert_same(whole, run)
         self.assertEqual(run.summary["settle_steps"], whole.summary["settle_steps"])
@@ -131,6 +146,15 @@ class Restarts(SameFiles):
             self.assertEqual(len(samples), 1)
             first = samples if name == "samples" else first  # noqa: F821
             self.assertEqual(samples, first, "the sample differs")
+
+    def test_a_sample_made_by_coupling_once_a_sweep_stays_on_its_ranks(self):
+        keys = sets(solver__coupling="sweep", balance__threshold=1000, watch__overlap='{ limit = 0.05, do = "stop" }')
+        self.run_scene(FOLD, *keys, ranks=2, out="parts", code=4)
+        parts = self.folder / "parts"
+        other = self.restart(parts, *sets(watch__overlap__do="warn"), ranks=3, code=2)
+        self.assertIn("must go on on 2 ranks while its sample is prepared", other.result.errors[0])
+        self.assertEqual(list((self.folder / "samples").glob("*.hdf")), [])
+        self.restart(parts, *sets(watch__overlap__do="warn"), ranks=2)
 
     def test_from_an_older_checkpoint_what_came_after_goes(self):
         whole = self.run_scene(FOLD, ranks=1, out="whole")
@@ -160,6 +184,8 @@ class Restarts(SameFiles):
     def test_settings_may_change_the_state_may_not(self):
         self.run_scene(FOLD, "--steps", 30, out="parts")
         parts = self.folder / "parts"
+        early = self.restart(parts, "--steps", 5, ranks=2, code=2)
+        self.assertIn("--steps: must be at least 30", early.result.errors[0])
         before = {p: p.read_bytes() for p in parts.rglob("*") if p.is_file()}
         for keys, named in (
             (sets(sample__seed=9), "sample"),

@@ -97,6 +97,16 @@ const std::vector<Case>& cases() {
         {"position_correction",
          [](auto& scene) { scene.stages[0].solver.position_correction = 0.2; },
          {"DiskContacts::kept_gaps", "DiskContacts::corrections", "Simulation::correction"}},
+        {"smooth",
+         [](auto& scene) {
+             with_friction(scene);
+             for (auto& law : scene.laws) {
+                 law.springs = Springs{{1e6}, {1e6}};
+             }
+             scene.stages[0].solver = smooth_settings(1e-4);
+         },
+         {"State::rotation", "CandidateSet::r_t", "DiskContacts::tangent", "DiskContacts::kept_gaps",
+          "DiskContacts::summed", "DiskContacts::springs"}},
         {"adaptive", [](auto& scene) { scene.stages[0].solver.adaptive = 1e-3; }, {"Iteration::quiet"}},
         {"single_precision",
          [](auto& scene) { scene.stages[0].solver.precision = SolverSettings::Precision::single; },
@@ -140,6 +150,8 @@ template <>
 constexpr std::size_t row_bytes<SingleBatch> = sizeof(SingleBatch) / n_lanes;
 template <>
 constexpr std::size_t row_bytes<SearchBatch> = sizeof(SearchBatch) / n_lanes;
+template <>
+constexpr std::size_t row_bytes<SpringBatch> = sizeof(SpringBatch) / n_lanes;
 template <>
 constexpr std::size_t row_bytes<CohesionBatch> = sizeof(CohesionBatch) / n_lanes;
 
@@ -249,12 +261,12 @@ TEST(Fields, BytesAreThoseOfTheArrays) {
     Features none;
     none.friction = none.mixed_friction = none.restitution = none.cohesion = none.turning = none.cells = none.layers =
         none.driven_walls = false;
-    none.kept_normals = none.kept_gaps = none.correction = none.adaptive = none.single = false;
+    none.kept_normals = none.kept_gaps = none.correction = none.adaptive = none.single = none.smooth = false;
     none.impulses_kept = none.velocities_kept = 0;
     EXPECT_EQ(bytes_per_grain(none), 8u + 16 + 32 + 16 + 8 + 32 + 32 + 8 + 8 + 4);
     EXPECT_EQ(bytes_per_contact(none), (4u + 4 + 8 + 4) + (6 * 8 + 4));
     EXPECT_EQ(bytes_per_grain(Features()), bytes_per_grain(none) + 8 + 8 + 4 + 2 * 32 + 32 + 32 + 16);
-    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 3 * 16 + 48 + 32);
+    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 3 * 16 + 48 + 32 + 5 * 8);
 }
 
 TEST(Fields, VariantsOfTheKernelAreNamed) {

@@ -16,10 +16,10 @@ inline std::string shown(const Vec<2>& v) {
 inline std::string shown(const SolverSettings& s) {
     return fmt::format(
         "method {} h {:a} substeps {} theta {:a} sweeps {} tolerance {:a} max {} every {} {} geometry {} "
-        "adaptive {:a} correction {:a} warm {} coupling {} precision {}",
+        "adaptive {:a} correction {:a} warm {} coupling {} precision {} unsafe {}",
         static_cast<int>(s.method), s.h, s.substeps, s.theta, s.sweeps, s.tolerance.value_or(-1), s.max_sweeps,
         s.check_every, static_cast<int>(s.at_max), s.geometry_every, s.adaptive.value_or(-1), s.position_correction,
-        s.warm_start, static_cast<int>(s.coupling), static_cast<int>(s.precision));
+        s.warm_start, static_cast<int>(s.coupling), static_cast<int>(s.precision), s.unsafe);
 }
 
 /// Every field of a scene but its text, to the last bit.
@@ -27,12 +27,18 @@ inline std::string fields(const Scene<2>& scene) {
     std::string text =
         fmt::format("title {} gravity {} origin {}\n", scene.title, shown(scene.gravity), shown(scene.origin));
     for (const auto& m : scene.materials) {
-        text +=
-            fmt::format("material {} {:a} {:a} {:a}\n", m.name, m.density, m.gamma.value_or(-1), m.d_w.value_or(-1));
+        text += fmt::format("material {} {:a} {:a} {:a} {:a} {:a}\n", m.name, m.density, m.gamma.value_or(-1),
+                            m.d_w.value_or(-1), m.damping, m.spin_damping);
     }
     for (const auto& l : scene.laws) {
-        text += fmt::format("law {} {} {:a} {:a} {:a} {:a}\n", l.material_a, l.material_b, l.friction, l.restitution,
+        text += fmt::format("law {} {} {:a} {:a} {:a} {:a}", l.material_a, l.material_b, l.friction, l.restitution,
                             l.gamma, l.d_w);
+        if (l.springs) {
+            const auto& [normal, tangential] = *l.springs;
+            text += fmt::format(" springs {:a} {:a} {:a} {:a}", normal.k, tangential.k, normal.c.value_or(-1),
+                                tangential.c.value_or(-1));
+        }
+        text += "\n";
     }
     if (scene.sample) {
         const auto& s = *scene.sample;

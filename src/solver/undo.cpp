@@ -1,0 +1,107 @@
+// A step that failed, taken back to the bit: what a restart would go on from.
+
+#include "solver/simulation.hpp"
+
+namespace nappe {
+
+/// Lists are those that the step will work with, and nothing else has happened.
+template <int D>
+void Simulation<D>::note_start() {
+    if (undo_.noted) { // it has begun before
+        return;
+    }
+    undo_.noted = true;
+    undo_.packed = undo_.kept = false;
+    undo_.clock = clock();
+    undo_.relaxations = counters_.relaxations;
+}
+
+/// Before others than those of the start are stored with the candidates.
+template <int D>
+void Simulation<D>::keep_impulses() const {
+    if (!undo_.noted || !undo_.packed || undo_.kept) {
+        return;
+    }
+    undo_.kept = true;
+    undo_.r_n = candidates_.r_n;
+    undo_.r_t = candidates_.r_t;
+}
+
+/// **Collective.** Before lists are renewed within the step.
+template <int D>
+void Simulation<D>::secure_start() {
+    if (!undo_.noted || undo_.snapshot) {
+        return;
+    }
+    CandidateSet<D> then = candidates();
+    if (undo_.kept) {
+        then.r_n = undo_.r_n;
+        then.r_t = undo_.r_t;
+    }
+    const bool moved = start_.held;
+    undo_.snapshot =
+        moved ? snapshot_with(then, start_.sums.value(), start_.energy) : snapshot_with(then, sums_, energy_);
+    auto& s = *undo_.snapshot;
+    s.clock = undo_.clock;
+    for (LocalId i = 0; i < state_.n_own; ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        const auto& u = moved ? start_.u[row] : predicted_ ? state_.u_old[row] : state_.u[row];
+        auto& grain = s.grains[row];
+        grain.v = u.v;
+        grain.s = u.s;
+        for (int d = 0; d < D && moved; ++d) {
+            grain.x[static_cast<std::size_t>(d)] = start_.x[row][d];
+        }
+        if (moved && !start_.rotation.empty()) {
+            grain.rotation = start_.rotation[row];
+        }
+    }
+    for (std::size_t w = 0; w < s.walls.size(); ++w) {
+        for (std::size_t d = 0; d < D; ++d) {
+            const auto k = static_cast<int>(d);
+            s.walls[w].v[d] = undo_.wall_v[w][k];
+            if (moved) {
+                s.walls[w].offset[d] = start_.offset[w][k];
+                s.walls[w].v_old[d] = start_.v_old[w][k];
+            }
+        }
+    }
+}
+
+template <int D>
+bool Simulation<D>::undo_step() {
+    if (undo_.snapshot) {
+        const Snapshot<D> start = std::move(*undo_.snapshot);
+        const auto relaxations = undo_.relaxations;
+        undo_.snapshot.reset();
+        undo_.noted = predicted_ = false;
+        resume(start);
+        counters_.relaxations = relaxations;
+        return true;
+    }
+    if (comm_.bit_or(intact_ ? 0U : 1U) != 0) {
+        return false;
+    }
+    if (!undo_.noted) {
+        return true; // it had not begun
+    }
+    go_back();
+    candidates(); // those of the start are kept now, or still there
+    if (undo_.kept) {
+        candidates_.r_n = undo_.r_n;
+        candidates_.r_t = undo_.r_t;
+    }
+    contacts_.forget();
+    walls_.v = undo_.wall_v;
+    set_clock(undo_.clock);
+    counters_.relaxations = undo_.relaxations;
+    undo_.noted = false;
+    return true;
+}
+
+template void Simulation<2>::note_start();
+template void Simulation<2>::keep_impulses() const;
+template void Simulation<2>::secure_start();
+template bool Simulation<2>::undo_step();
+
+} // namespace nappe
