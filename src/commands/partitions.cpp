@@ -29,7 +29,7 @@ std::vector<std::int64_t> relaxations_at_rest(const Simulation<2>& simulation) {
     const auto& state = simulation.state();
     const auto& candidates = simulation.candidates();
     std::vector<std::int64_t> relaxations;
-    for (const auto& tile : candidates.tiles) {
+    for (const auto& tile : candidates.plain_tiles()) {
         std::int64_t n = 0;
         for (auto c = static_cast<std::size_t>(tile.candidates_begin);
              c < static_cast<std::size_t>(tile.candidates_end); ++c) {
@@ -231,8 +231,8 @@ void partitions(const Communicator& comm, const PartitionsOptions& options) {
     json["bytes_per_grain"] = bytes_per_sent_grain<2>;
 
     std::vector<TileWork> work;
-    for (std::size_t t = 0; t < candidates.tiles.size(); ++t) {
-        work.push_back({candidates.tiles[t].key, relaxations[t]});
+    for (std::size_t t = 0; t < candidates.plain_tiles().size(); ++t) {
+        work.push_back({candidates.plain_tiles()[t].key, relaxations[t]});
     }
     const Counted made{"grains", options.scale, static_cast<double>(state.n_own),
                        tile_graph<2>(work, tile_links(state, grid, candidates))};

@@ -97,8 +97,8 @@ TileStatistics measure_tiles(const State<2>& state, const TileGrid<2>& grid, con
     TileStatistics mean;
     std::map<std::uint32_t, std::int64_t> touched;
     std::vector<std::int32_t> touched_by(static_cast<std::size_t>(state.n_held()), -1);
-    for (std::size_t t = 0; t < candidates.tiles.size(); ++t) {
-        const auto& tile = candidates.tiles[t];
+    for (std::size_t t = 0; t < candidates.plain_tiles().size(); ++t) {
+        const auto& tile = candidates.plain_tiles()[t];
         if (!row.contains(tile.key)) {
             continue;
         }

@@ -3,6 +3,7 @@
 #include "commands/watched_step.hpp"
 #include "core/error.hpp"
 #include "core/initial_grains.hpp"
+#include "core/large_grains.hpp"
 #include "io/stored_manifest.hpp"
 #include "solver/observables.hpp"
 
@@ -150,6 +151,9 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
         }
     }
     text += fmt::format("tiles {} {} {}\n", scene.tiles.side, scene.tiles.skin, scene.tiles.lookahead);
+    if (has_large_grains(scene)) {
+        text += fmt::format("large above {}\n", large_above(scene));
+    }
     return {physics_revision, text};
 }
 

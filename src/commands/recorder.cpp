@@ -66,7 +66,7 @@ void Recorder::begin() {
     auto& sums = simulation_.sums();
     sums.clear();
     const auto& set = simulation_.candidates();
-    for (const auto& tile : set.tiles) {
+    for (const auto& tile : set.counted_tiles()) {
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
             const auto g = contact_geometry(simulation_.state(), simulation_.walls(), set.a[c], set.b[c]);
             if (g.applies) {

@@ -1,6 +1,7 @@
 #include "commands/restart_rules.hpp"
 
 #include "core/error.hpp"
+#include "core/large_grains.hpp"
 #include "io/checksum.hpp"
 
 #include <fmt/format.h>
@@ -66,6 +67,9 @@ std::vector<Part> parts_of(const Scene<2>& scene) {
     }
     parts.push_back({"output.cells", text});
     parts.push_back({"tiles", fmt::format("{} {} {}", scene.tiles.side, scene.tiles.skin, scene.tiles.lookahead)});
+    if (has_large_grains(scene)) { // scenes without them keep the key they had
+        parts.push_back({"tiles.large_above", fmt::format("{}", large_above(scene))});
+    }
     parts.push_back({"world.origin", text_of(scene.origin)});
     return parts;
 }

@@ -11,6 +11,11 @@ bool any(const Impulse<D>& r) {
     return r.n != 0 || std::any_of(r.t.begin(), r.t.end(), [](double t) { return t != 0; });
 }
 
+template <int D>
+bool by_name(const ContactRow<D>& p, const ContactRow<D>& q) {
+    return p.lo != q.lo ? p.lo < q.lo : p.hi < q.hi;
+}
+
 } // namespace
 
 template <int D>
@@ -19,8 +24,9 @@ void ContactMemory<D>::keep(const State<D>& state, const CandidateSet<D>& candid
     named_.clear();
     begin_.assign(static_cast<std::size_t>(state.n_own) + 1, 0);
     const auto n = static_cast<std::size_t>(candidates.size());
+    const auto is_kept = [&](std::size_t c) { return candidates.a[c] < state.n_own && any<D>(candidates.impulse(c)); };
     for (std::size_t c = 0; c < n; ++c) {
-        begin_[static_cast<std::size_t>(candidates.a[c])] += any<D>(candidates.impulse(c)) ? 1 : 0;
+        begin_[static_cast<std::size_t>(candidates.a[c])] += is_kept(c) ? 1 : 0;
     }
     std::int32_t sum = 0;
     for (auto& k : begin_) { // to the end of each row's part, from where it is filled backwards
@@ -28,7 +34,7 @@ void ContactMemory<D>::keep(const State<D>& state, const CandidateSet<D>& candid
     }
     partners_.resize(static_cast<std::size_t>(sum));
     for (std::size_t c = n; c-- > 0;) {
-        if (any<D>(candidates.impulse(c))) {
+        if (is_kept(c)) {
             const auto at = --begin_[static_cast<std::size_t>(candidates.a[c])];
             partners_[static_cast<std::size_t>(at)] = {partner_key(state, candidates.b[c]), candidates.impulse(c)};
         }
@@ -56,8 +62,19 @@ void ContactMemory<D>::add(std::vector<ContactRow<D>> rows) {
     } else {
         named_.insert(named_.end(), rows.begin(), rows.end());
     }
-    std::sort(named_.begin(), named_.end(),
-              [](const auto& p, const auto& q) { return p.lo != q.lo ? p.lo < q.lo : p.hi < q.hi; });
+    std::sort(named_.begin(), named_.end(), by_name<D>);
+}
+
+template <int D>
+void ContactMemory<D>::set_of_large(std::vector<ContactRow<D>> rows) {
+    of_large_ = std::move(rows);
+    std::sort(of_large_.begin(), of_large_.end(), by_name<D>);
+}
+
+template <int D>
+Impulse<D> ContactMemory<D>::find_of_large(GlobalId lo, GlobalId hi) const {
+    const auto at = std::lower_bound(of_large_.begin(), of_large_.end(), ContactRow<D>{lo, hi}, by_name<D>);
+    return at != of_large_.end() && at->lo == lo && at->hi == hi ? Impulse<D>{at->r_n, at->r_t} : Impulse<D>{};
 }
 
 template <int D>
@@ -83,7 +100,7 @@ std::vector<ContactRow<D>> impulse_rows(const State<D>& state, const CandidateSe
     rows.reserve(candidates.a.size());
     for (std::size_t c = 0; c < candidates.a.size(); ++c) {
         const auto r = candidates.impulse(c);
-        if (any<D>(r)) {
+        if (candidates.a[c] < state.n_own && any<D>(r)) {
             const auto a = static_cast<std::size_t>(candidates.a[c]);
             rows.push_back({state.id[a], partner_key(state, candidates.b[c]), r.n, r.t});
         }

@@ -5,6 +5,7 @@
 #include "core/tile_grid.hpp"
 #include "core/walls.hpp"
 
+#include <span>
 #include <vector>
 
 namespace nappe {
@@ -24,14 +25,16 @@ struct Tile {
     std::int32_t candidates_begin = 0, candidates_end = 0;
     std::int32_t classes_begin = 0, classes_end = 0; ///< into CandidateSet::class_begin
     bool interface = false;                          ///< touches a grain that another rank holds
+    bool large = false;                              ///< no tile, but the contacts of all large grains; it comes last
 };
 
 /// Candidates in the order of the sweep: by tile; in a tile by colour class; in a class by key (lo id, hi key). `a` is
 /// always an owned grain, the one with the lower GlobalId, whose tile the contact belongs to; `b` is a held grain or a
 /// wall body. No two contacts of a class share a grain; wall bodies do not count, they are never written.
+/// The contacts of large grains follow those of the tiles, as if of one more; there `a` need not be owned.
 template <int D>
 struct CandidateSet {
-    std::vector<Tile> tiles; ///< in the order of keys
+    std::vector<Tile> tiles; ///< in the order of keys, then that of large grains if one is held
     std::vector<LocalId> a, b;
     std::vector<double> r_n;                    ///< of the last step [N s]
     std::vector<std::array<double, D - 1>> r_t; ///< likewise; empty without friction
@@ -39,11 +42,22 @@ struct CandidateSet {
     /// First candidate of every class; a class ends where the next or the tile does.
     std::vector<std::int32_t> class_begin;
 
+    /// Whether it is this rank that counts the contacts of large grains, which several have. Sums over contacts go over
+    /// `counted_tiles`, or over contacts whose `a` is owned.
+    bool counts_large = false;
+
     std::int32_t size() const { return static_cast<std::int32_t>(a.size()); }
+
+    bool has_large() const { return !tiles.empty() && tiles.back().large; }
+    std::span<const Tile> plain_tiles() const { return std::span(tiles).first(tiles.size() - (has_large() ? 1 : 0)); }
+    std::span<const Tile> counted_tiles() const {
+        return std::span(tiles).first(tiles.size() - (has_large() && !counts_large ? 1 : 0));
+    }
 
     /// Empties it and keeps its memory.
     void clear() {
         tiles.clear();
+        counts_large = false;
         a.clear();
         b.clear();
         r_n.clear();
@@ -96,6 +110,10 @@ public:
     /// Local. More impulses by name, in any order.
     void add(std::vector<ContactRow<D>> rows);
 
+    /// Local. Those of large grains, by name: all ranks know them.
+    void set_of_large(std::vector<ContactRow<D>> rows);
+    Impulse<D> find_of_large(GlobalId lo, GlobalId hi) const; ///< zero if the pair was not touching
+
     /// Zero if the pair was not touching. @param row of the grain `lo`
     Impulse<D> find(LocalId row, GlobalId lo, GlobalId hi) const;
 
@@ -124,8 +142,9 @@ private:
 
     std::vector<std::int32_t> begin_; ///< partners of old rows
     std::vector<Partner> partners_;
-    std::vector<LocalId> from_;        ///< empty: rows are as they were
-    std::vector<ContactRow<D>> named_; ///< sorted by (lo, hi)
+    std::vector<LocalId> from_;           ///< empty: rows are as they were
+    std::vector<ContactRow<D>> named_;    ///< sorted by (lo, hi)
+    std::vector<ContactRow<D>> of_large_; ///< likewise
 };
 
 /// Name of a contact's partner that frames, samples and canonical order use.
@@ -134,7 +153,7 @@ GlobalId partner_key(const State<D>& state, LocalId b) {
     return b < state.n_held() ? state.id[static_cast<std::size_t>(b)] : wall_key + (b - state.n_held());
 }
 
-/// Local. The impulses of all candidates that have one, in candidate order.
+/// Local. The impulses of all candidates that have one and whose lower grain is owned, in candidate order.
 template <int D>
 std::vector<ContactRow<D>> impulse_rows(const State<D>& state, const CandidateSet<D>& candidates);
 

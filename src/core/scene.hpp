@@ -211,6 +211,8 @@ struct TileSettings {
     double skin = 0;       ///< least distance two grains may approach before the next rebuild [m]; 0: 0.6 r_max
     double lookahead = 18; ///< steps for which a moving grain's margin should last
 
+    double large_above = 0; ///< radius [m]; 0: see core/large_grains.hpp
+
     double side_for(double r_max) const { return side > 0 ? side : 16 * r_max; } ///< defaults worked out [m]
     double skin_for(double r_max) const { return skin > 0 ? skin : 0.6 * r_max; }
 };

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace nappe {
@@ -62,6 +63,7 @@ struct State {
     Features carries; ///< to be set before the first grains come
     LocalId n_own = 0;
     double attraction = 0; ///< half the largest gap at which cohesion acts in this stage [m]
+    double large_above = std::numeric_limits<double>::infinity(); ///< radius beyond which a grain is large [m]
     std::vector<GlobalId> id;
     std::vector<Vec<D>> x;              ///< position at the start of the step [m]
     std::vector<BodyPlace<D>> mid;      ///< predicted position, where contacts are detected
@@ -102,6 +104,9 @@ struct State {
 
     /// How far from x_ref a grain's contacts may begin before the next rebuild [m].
     double reach(LocalId i) const { return radius[i] + margin[i] + attraction; }
+
+    /// Whether tiles are not made for it (core/large_grains.hpp).
+    bool is_large(LocalId i) const { return radius[i] > large_above; }
 
     LocalId n_held() const { return static_cast<LocalId>(id.size()); }
     LocalId n_bodies() const { return static_cast<LocalId>(u.size()); }

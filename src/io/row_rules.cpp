@@ -1,5 +1,6 @@
 #include "io/row_rules.hpp"
 
+#include "core/large_grains.hpp"
 #include "core/tile_grid.hpp"
 #include "core/walls.hpp"
 
@@ -162,7 +163,7 @@ RowLimits row_limits(const Scene<D>& scene) {
     }
     constexpr double round_off = 1e-12; // radii are drawn between the two
     limits.smallest_radius *= 1 - round_off;
-    limits.tile_side = scene.tiles.side_for(limits.largest_radius);
+    limits.tile_side = scene.tiles.side_for(largest_radius(scene));
     limits.largest_radius *= 1 + round_off;
     return limits;
 }

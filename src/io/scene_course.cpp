@@ -155,6 +155,8 @@ void read_tiles(const TableReader& top, Scene<2>& scene) {
         table->read("side", scene.tiles.side, positive("m", "leave it out for 16 largest radii"));
         table->read("skin", scene.tiles.skin, positive("m", "leave it out for 0.6 largest radii"));
         table->read("lookahead", scene.tiles.lookahead, not_negative("", "give it in steps"));
+        table->read("large_above", scene.tiles.large_above,
+                    positive("m", "leave it out for 4 times the largest radius of the sample"));
     }
 }
 

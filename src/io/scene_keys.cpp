@@ -25,7 +25,7 @@ const std::vector<TableKeys>& all_keys() {
         {"[solver]",
          {"method", "h", "theta", "sweeps", "tolerance", "max_sweeps", "check_every", "substeps", "geometry_every",
           "adaptive", "position_correction", "warm_start", "at_max", "coupling", "precision", "unsafe"}},
-        {"[tiles]", {"side", "skin", "lookahead"}},
+        {"[tiles]", {"side", "skin", "lookahead", "large_above"}},
         {"[balance]", {"threshold", "every", "by", "moves"}},
         {"[watch]", {"overlap", "energy", "residual", "bounds", "failure", "max_substeps"}},
         {"watch.overlap", {"limit", "do"}},

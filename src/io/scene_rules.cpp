@@ -289,21 +289,6 @@ void check_single_grains(const Scene<2>& scene, Problems& problems) {
     }
 }
 
-/// A tile touches no grain of another tile of its colour only if it is wider than twice the reach (docs/architecture.md).
-void check_tiles(const Scene<2>& scene, const Radii& radii, Problems& problems) {
-    const double side = scene.tiles.side_for(radii.max);
-    const double skin = scene.tiles.skin_for(radii.max);
-    const double range = largest_range(scene);
-    const double least = 2 * (2 * radii.max + skin + range);
-    if (!(side > least)) {
-        problems.add(
-            scene.tiles.side > 0 ? "tiles.side" : "tiles.skin",
-            fmt::format("side must be > 2 (2 r_max + skin + d_w) = {:.6g} [m], found side {:.6g} with skin {:.6g}, "
-                        "d_w {:.6g} and r_max {:.6g}; give a wider side or a smaller skin",
-                        least, side, skin, range, radii.max));
-    }
-}
-
 /// Beyond 1e7 radii a double places a grain no better than 1e-9 of its radius, the deposit's own accuracy. What files
 /// hold is counted from [0, 0]: beyond 2^33 radii no better than 2e-6.
 void check_extent(const Scene<2>& scene, const Radii& radii, Problems& problems) {
@@ -378,7 +363,7 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     check_wall_points(scene, problems);
     check_zone(scene, problems);
     check_coupling(scene, problems);
-    check_tiles(scene, radii, problems);
+    check_tiles(scene, problems);
     check_sizes(scene, radii.min, problems);
     check_extent(scene, radii, problems);
     if (!problems.empty()) {

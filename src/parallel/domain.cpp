@@ -162,14 +162,16 @@ void Domain<D>::distribute(std::vector<GrainRecord<D>> grains, std::vector<Conta
     }
     sort_by_tile(grains);
     const auto carries = state.carries;
-    const double attraction = state.attraction;
+    const double attraction = state.attraction, large_above = state.large_above;
     state = {};
     state.carries = carries;
     state.attraction = attraction;
+    state.large_above = large_above;
     state.assign(grains, {}, n_wall_bodies);
     memory.rekey(state);
     list_tiles(state);
     count(state, true);
+    large_.find(comm_, state);
     range_max_ = comm_.max(widest_reach(state));
     state.complete(fetch_ghosts(state), n_wall_bodies);
 }

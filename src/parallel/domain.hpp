@@ -10,6 +10,7 @@
 #include "parallel/balance_judge.hpp"
 #include "parallel/communicator.hpp"
 #include "parallel/halo.hpp"
+#include "parallel/large_grains.hpp"
 #include "parallel/tile_directory.hpp"
 #include "parallel/tile_graph.hpp"
 
@@ -62,7 +63,7 @@ public:
 
     /// **Collective.** Who must hear of what, for the candidates found after a rebuild.
     void build_halo(const State<D>& state, CandidateSet<D>& candidates) {
-        halo_.build(state, grid_, directory_, range_max_, candidates);
+        halo_.build(state, grid_, directory_, range_max_, large_, candidates);
     }
 
     Halo<D>& halo() { return halo_; }
@@ -70,6 +71,7 @@ public:
     const Communicator& comm() const { return comm_; }
     const TileGrid<D>& grid() const { return grid_; }
     const TileDirectory& directory() const { return directory_; }
+    const LargeGrains<D>& large() const { return large_; }
 
     /// Largest margin tiles allow: two tiles of one colour must not reach the same grain, so 4 (r + margin + attraction)
     /// < S [m].
@@ -102,6 +104,7 @@ private:
     std::vector<GrainRecord<D>> migrate(const State<D>& state, std::vector<Mover>& movers, ContactMemory<D>& memory);
     std::vector<LocalId> merge_rows(const State<D>& state, const std::vector<Mover>& gone, std::vector<Mover> here);
     std::vector<GrainRecord<D>> fetch_ghosts(const State<D>& state);
+    void find_holders_of_large(const State<D>& state);
     void sort_by_tile(std::vector<GrainRecord<D>>& grains) const;
     void list_tiles(const State<D>& state);
     void count(const State<D>& state, bool first);
@@ -117,6 +120,7 @@ private:
     BalanceSettings balance_;
     BalanceJudge judge_;
     Halo<D> halo_;
+    LargeGrains<D> large_;
     TileDirectory directory_;
     std::vector<Span> own_tiles_; ///< by key
     double range_max_ = 0;

@@ -65,13 +65,13 @@ std::vector<typename Domain<D>::Mover> Domain<D>::find_movers(const State<D>& st
     return movers;
 }
 
-/// Largest reach of owned grains [m].
+/// Largest reach of owned grains, large ones left out [m].
 template <int D>
 double Domain<D>::widest_reach(const State<D>& state) {
     double widest = 0;
     for (LocalId i = 0; i < state.n_own; ++i) {
         const double reach = state.reach(i);
-        widest = reach > widest ? reach : widest;
+        widest = reach > widest && !state.is_large(i) ? reach : widest;
     }
     return widest;
 }
@@ -202,21 +202,45 @@ std::vector<LocalId> Domain<D>::merge_rows(const State<D>& state, const std::vec
     return from;
 }
 
+/// Who takes part in the contacts of large grains. Rows are as they will be, x_ref = x.
+template <int D>
+void Domain<D>::find_holders_of_large(const State<D>& state) {
+    large_.gather(comm_, state);
+    std::vector<std::int64_t> holds(static_cast<std::size_t>(comm_.size()), 0);
+    Holders<D> holders(grid_, directory_, comm_.rank());
+    std::vector<int> ranks;
+    for (const auto& tile : own_tiles_) {
+        for (LocalId i = tile.begin; i < tile.end; ++i) {
+            if (!state.is_large(i) && large_.may_touch(state.x[i], state.reach(i))) {
+                holds[static_cast<std::size_t>(comm_.rank())] = 1;
+                holders.find(tile.key, state.x[i], state.reach(i) + range_max_, ranks);
+                for (const int r : ranks) {
+                    holds[static_cast<std::size_t>(r)] = 1;
+                }
+            }
+        }
+    }
+    large_.agree(comm_, state, std::move(holds));
+}
+
 template <int D>
 std::vector<GrainRecord<D>> Domain<D>::fetch_ghosts(const State<D>& state) {
     std::vector<GrainRecord<D>> ghosts;
+    if (large_.any()) {
+        find_holders_of_large(state);
+    }
     if (comm_.size() == 1) {
         return ghosts;
     }
-    Holders<D> holders(grid_, directory_, comm_.rank());
+    Holders<D> holders(grid_, directory_, comm_.rank(), large_);
     std::vector<std::vector<GrainRecord<D>>> to(static_cast<std::size_t>(comm_.size()));
     std::vector<int> ranks;
     for (const auto& tile : own_tiles_) {
-        if (!holders.any_near(tile.key)) {
+        if (!holders.any_near(tile.key) && !large_.any()) {
             continue;
         }
         for (LocalId i = tile.begin; i < tile.end; ++i) {
-            holders.find(tile.key, state.x[i], state.reach(i) + range_max_, ranks);
+            holders.find_all(tile.key, state.x[i], state, i, range_max_, ranks);
             for (const int r : ranks) {
                 to[static_cast<std::size_t>(r)].push_back(state.record(i));
             }
@@ -274,6 +298,9 @@ void Domain<D>::rebuild(State<D>& state, LocalId n_wall_bodies, ContactMemory<D>
     state.reorder(from, arrivals);
     memory.rows_moved(std::move(from));
     state.complete(fetch_ghosts(state), n_wall_bodies);
+    if (large_.any()) {
+        large_.share(comm_, state, memory);
+    }
     count(state, false);
 }
 

@@ -73,8 +73,29 @@ void Holders<D>::find(TileKey tile, const Vec<D>& x_ref, double range, std::vect
 }
 
 template <int D>
+void Holders<D>::find_all(TileKey tile, const Vec<D>& x_ref, const State<D>& state, LocalId i, double range_max,
+                          std::vector<int>& ranks) {
+    const bool is_large = state.is_large(i);
+    if (is_large) {
+        ranks.clear();
+    } else {
+        find(tile, x_ref, state.reach(i) + range_max, ranks);
+    }
+    if (large_ == nullptr || !large_->any() || !(is_large || large_->may_touch(x_ref, state.reach(i)))) {
+        return;
+    }
+    for (const int r : large_->ranks()) {
+        if (r != rank_) {
+            ranks.push_back(r);
+        }
+    }
+    std::sort(ranks.begin(), ranks.end());
+    ranks.erase(std::unique(ranks.begin(), ranks.end()), ranks.end());
+}
+
+template <int D>
 void Halo<D>::build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
-                    CandidateSet<D>& candidates) {
+                    const LargeGrains<D>& large, CandidateSet<D>& candidates) {
     release();
     by_sweep_ = next_by_sweep_;
     for (auto& tile : candidates.tiles) {
@@ -83,7 +104,7 @@ void Halo<D>::build(const State<D>& state, const TileGrid<D>& grid, const TileDi
     if (comm_.size() == 1) {
         return;
     }
-    find_shared(state, grid, directory, range_max, candidates);
+    find_shared(state, grid, directory, range_max, large, candidates);
     find_neighbours();
     mark_touched(state.n_held(), candidates);
     tell_neighbours();
@@ -106,21 +127,25 @@ void Halo<D>::release() {
 
 template <int D>
 void Halo<D>::find_shared(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory,
-                          double range_max, const CandidateSet<D>& candidates) {
+                          double range_max, const LargeGrains<D>& large, const CandidateSet<D>& candidates) {
     shared_.clear();
     holder_.clear();
-    Holders<D> holders(grid, directory, comm_.rank());
+    Holders<D> holders(grid, directory, comm_.rank(), large);
     std::vector<int> ranks;
     const auto look_at = [&](TileKey tile, LocalId i) {
-        holders.find(tile, state.x_ref[i], state.reach(i) + range_max, ranks);
+        if (state.is_large(i)) {
+            return; // every holder moves it alike
+        }
+        holders.find_all(tile, state.x_ref[i], state, i, range_max, ranks);
         if (!ranks.empty()) {
             const auto begin = static_cast<std::int32_t>(holder_.size());
             holder_.insert(holder_.end(), ranks.begin(), ranks.end());
             shared_.push_back({tile, state.id[i], i, begin, static_cast<std::int32_t>(holder_.size())});
         }
     };
-    for (const auto& tile : candidates.tiles) {
-        if (holders.any_near(tile.key)) { // else none of its grains need be looked at: most tiles of a large share
+    for (const auto& tile : candidates.plain_tiles()) {
+        if (holders.any_near(tile.key) ||
+            large.any()) { // else none of its grains need be looked at: most tiles of a large share
             for (LocalId i = tile.grains_begin; i < tile.grains_end; ++i) {
                 look_at(tile.key, i);
             }
@@ -163,6 +188,9 @@ void Halo<D>::mark_touched(LocalId n_held, CandidateSet<D>& candidates) {
         }
     }
     for (auto& tile : candidates.tiles) {
+        if (tile.large) {
+            continue;
+        }
         const auto ring = TileGrid<D>::ring(tile.key);
         if (std::none_of(ring.begin(), ring.end(),
                          [&](TileKey key) { return std::binary_search(tiles.begin(), tiles.end(), key); })) {

@@ -14,6 +14,7 @@
 #include "core/contact_set.hpp"
 #include "core/state.hpp"
 #include "parallel/communicator.hpp"
+#include "parallel/large_grains.hpp"
 #include "parallel/tile_directory.hpp"
 
 #include <array>
@@ -28,9 +29,16 @@ class Holders {
 public:
     Holders(const TileGrid<D>& grid, const TileDirectory& directory, int rank)
         : grid_(grid), directory_(directory), rank_(rank) {}
+    Holders(const TileGrid<D>& grid, const TileDirectory& directory, int rank, const LargeGrains<D>& large)
+        : grid_(grid), directory_(directory), rank_(rank), large_(&large) {}
 
     /// Local. Whether another rank owns this tile or one around it: if not, nobody else holds the grains in it.
     bool any_near(TileKey tile);
+
+    /// Local. The same, with the ranks that hold the grain since a large one may touch it, or since it is large.
+    /// @param i row of the grain, which is in `tile` at x_ref @param range_max largest reach of all grains [m]
+    void find_all(TileKey tile, const Vec<D>& x_ref, const State<D>& state, LocalId i, double range_max,
+                  std::vector<int>& ranks);
 
     /// Local. @param tile of the grain @param x_ref its position [m] @param range reach of the grain plus the largest of all
     /// grains [m]. Fills `ranks` in ascending order, without this rank.
@@ -40,6 +48,7 @@ private:
     const TileGrid<D>& grid_;
     const TileDirectory& directory_;
     int rank_;
+    const LargeGrains<D>* large_ = nullptr;
     // The ring of the tile asked last: grains come sorted by tile.
     TileKey last_ = 0;
     bool any_ = false;
@@ -64,9 +73,9 @@ public:
 
     /// **Collective.** From the candidates of owned tiles, who has to hear of what after which colour; marks interface
     /// tiles. Talks to neighbours only. Pre: no pass is under way.
-    /// @param range_max largest reach of all grains [m].
+    /// @param range_max largest reach of all grains, large ones left out [m].
     void build(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
-               CandidateSet<D>& candidates);
+               const LargeGrains<D>& large, CandidateSet<D>& candidates);
 
     /// Local. From the next `build` on: one exchange a sweep, or one a colour.
     void couple_by_sweep(bool by_sweep) { next_by_sweep_ = by_sweep; }
@@ -156,7 +165,7 @@ private:
 
     void release();
     void find_shared(const State<D>& state, const TileGrid<D>& grid, const TileDirectory& directory, double range_max,
-                     const CandidateSet<D>& candidates);
+                     const LargeGrains<D>& large, const CandidateSet<D>& candidates);
     void find_neighbours();
     void mark_touched(LocalId n_held, CandidateSet<D>& candidates);
     void tell_neighbours();

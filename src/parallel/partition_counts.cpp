@@ -31,7 +31,7 @@ SharedGrains find_shared(const State<D>& state, const TileGrid<D>& grid, const C
     SharedGrains shared;
     shared.begin.assign(static_cast<std::size_t>(state.n_held()) + 1, 0);
     std::vector<int> others;
-    for (const auto& tile : candidates.tiles) { // in the order of rows
+    for (const auto& tile : candidates.plain_tiles()) { // in the order of rows
         const auto owner = directory.owner(tile.key);
         Holders<D> holders(grid, directory, owner);
         for (auto i = static_cast<std::size_t>(tile.grains_begin); i < static_cast<std::size_t>(tile.grains_end); ++i) {
@@ -77,8 +77,8 @@ PartitionCounts<D> count_partition(const State<D>& state, const TileGrid<D>& gri
     counts.parts.resize(static_cast<std::size_t>(n_parts));
     std::vector<std::int32_t> touched_by(static_cast<std::size_t>(state.n_held()), -1);
     std::vector<MessageCount> of_tile;
-    for (std::size_t t = 0; t < candidates.tiles.size(); ++t) {
-        const auto& tile = candidates.tiles[t];
+    for (std::size_t t = 0; t < candidates.plain_tiles().size(); ++t) {
+        const auto& tile = candidates.plain_tiles()[t];
         const auto owner = directory.owner(tile.key);
         of_tile.clear();
         const auto touch = [&](LocalId i) {

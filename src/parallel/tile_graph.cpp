@@ -56,7 +56,7 @@ TileGraph tile_graph(std::vector<TileWork> work, std::vector<TileLink> links) {
 template <int D>
 std::vector<TileLink> tile_links(const State<D>& state, const TileGrid<D>& grid, const CandidateSet<D>& candidates) {
     std::vector<TileLink> links;
-    for (const auto& tile : candidates.tiles) {
+    for (const auto& tile : candidates.plain_tiles()) {
         const auto ring = TileGrid<D>::ring(tile.key);
         std::array<std::int64_t, TileGrid<D>::n_ring> shared{};
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {

@@ -16,7 +16,8 @@ IterationWork Ansgs<D>::advance(const ContactProblem<D>& problem, int n) {
         move_on(problem.u, before_, beta);
         PassSums sums(schedule_.scale());
         sweep_.run(1, 1, problem.halo, problem.u, [&](std::size_t t, std::size_t next) {
-            sums.add(problem.contacts.relax_ahead(t, next, beta, sums.rounding(), problem.u));
+            sums.add(
+                problem.contacts.counted(t, problem.contacts.relax_ahead(t, next, beta, sums.rounding(), problem.u)));
         });
         sums.share(sweep_);
         schedule_.next(sums.squared.value(), sums.along.value());

@@ -18,7 +18,8 @@ IterationWork Apgd<D>::advance(const ContactProblem<D>& problem, int n) {
         at_ = problem.u;
         PassSums sums(schedule_.scale());
         sweep_.run(1, 1, problem.halo, problem.u, [&](std::size_t t, std::size_t) {
-            sums.add(problem.contacts.project(t, beta, 1 / steepest_, sums.rounding(), at_, problem.u));
+            sums.add(problem.contacts.counted(
+                t, problem.contacts.project(t, beta, 1 / steepest_, sums.rounding(), at_, problem.u)));
         });
         sums.share(sweep_);
         const double moved = kinetic(sweep_, problem.u, at_), stepped = sums.squared.value();

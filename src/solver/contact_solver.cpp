@@ -109,7 +109,7 @@ Residual ContactSolver<D>::residual(const ContactsOf<D>& contacts, const std::ve
     double largest = 0;
     ExactSum squares;
     std::int64_t n = 0;
-    for (std::size_t t = 0; t < contacts.n_tiles(); ++t) {
+    for (std::size_t t = 0; t < contacts.n_counted_tiles(); ++t) {
         const auto of_tile = contacts.residual(t, u);
         largest = of_tile.largest_squared > largest ? of_tile.largest_squared : largest;
         squares.add(of_tile.sum_squared);

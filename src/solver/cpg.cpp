@@ -29,7 +29,7 @@ void Cpg<D>::iterate(const ContactProblem<D>& problem) {
     lay_at_rest(problem.u, of_z_);
     PassSums of_gradient(scale_);
     sweep_.run(1, 1, problem.halo, of_z_, [&](std::size_t t, std::size_t) {
-        of_gradient.add(contacts.gradient(t, of_gradient.rounding(), problem.u, of_z_));
+        of_gradient.add(contacts.counted(t, contacts.gradient(t, of_gradient.rounding(), problem.u, of_z_)));
     });
     of_gradient.share(sweep_);
     if (!(of_gradient.squared.value() > 0)) {
@@ -43,7 +43,7 @@ void Cpg<D>::iterate(const ContactProblem<D>& problem) {
     lay_at_rest(problem.u, of_p_);
     PassSums of_direction(scale_);
     sweep_.run(1, 1, problem.halo, of_p_, [&](std::size_t t, std::size_t) {
-        of_direction.add(contacts.turn(t, beta, of_direction.rounding(), problem.u, of_p_));
+        of_direction.add(contacts.counted(t, contacts.turn(t, beta, of_direction.rounding(), problem.u, of_p_)));
     });
     of_direction.share(sweep_);
     const double slope = of_direction.along.value();

@@ -188,10 +188,13 @@ public:
         });
     }
 
-    std::int64_t n_active() const { return n_active_; }
+    /// Of the contacts that this rank counts.
+    std::int64_t n_active() const { return n_active_ - (n_counted_ < ranges_.size() ? ranges_.back().active : 0); }
     std::int64_t n_active(std::size_t tile) const { return ranges_[tile].active; }
     std::int64_t n_batches(std::size_t tile) const { return ranges_[tile].n; }
     std::size_t n_tiles() const { return ranges_.size(); }
+    std::size_t n_counted_tiles() const { return n_counted_; } ///< CandidateSet::counted_tiles
+    StepSums counted(std::size_t tile, const StepSums& sums) const { return tile < n_counted_ ? sums : StepSums{}; }
 
     /// Calls f(a, b, n, impulse) for the packed contacts of a tile, in the order of candidates.
     template <class F>
@@ -380,6 +383,7 @@ private:
     bool cohesive_ = false;
     std::vector<std::int32_t> source_; ///< candidate of every lane, -1 for null contacts
     std::vector<Range> ranges_;        ///< of every tile
+    std::size_t n_counted_ = 0;        ///< of them, those that this rank counts
     std::vector<std::int32_t> asleep_; ///< candidates of disks that sleep, by tile
     std::vector<WallPair> walls_;      ///< by tile
     std::int64_t n_active_ = 0;

@@ -24,6 +24,7 @@ void DiskContacts::lay_out(const Step& step) {
     walls_.clear();
     asleep_.resize(static_cast<std::size_t>(candidates.size()));
     ranges_.assign(n_tiles, {});
+    n_counted_ = candidates.counted_tiles().size();
     last_.assign(static_cast<std::size_t>(step.state.n_held()), 0);
     n_packed_ = 1;
     n_active_ = 0;

@@ -9,7 +9,7 @@ namespace nappe {
 template <int D>
 void Simulation<D>::collect_energy(double h) {
     const auto lap = watch_.lap(Timed::measure);
-    for (std::size_t t = 0; t < candidates_.tiles.size(); ++t) {
+    for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
         const auto& tile = candidates_.tiles[t];
         for (LocalId i = tile.grains_begin; i < tile.grains_end; ++i) {
             energy_.add_grain(state_.mass[i], state_.u_old[i], state_.u[i], scene_.gravity, h, settings().theta);

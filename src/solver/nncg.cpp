@@ -42,7 +42,8 @@ IterationWork Nncg<D>::advance(const ContactProblem<D>& problem, int n) {
         move_along(problem.u, from_, direction_, beta_);
         PassSums sums(squared_);
         sweep_.run(1, 1, problem.halo, problem.u, [&](std::size_t t, std::size_t next) {
-            sums.add(problem.contacts.relax_along(t, next, beta_, sums.rounding(), problem.u));
+            sums.add(
+                problem.contacts.counted(t, problem.contacts.relax_along(t, next, beta_, sums.rounding(), problem.u)));
         });
         sums.share(sweep_);
         const double squared = sums.squared.value();

@@ -33,7 +33,7 @@ Overlaps overlaps(const Simulation<D>& simulation) {
     const auto& set = simulation.candidates();
     ExactSum sum;
     Overlaps o;
-    for (const auto& tile : set.tiles) {
+    for (const auto& tile : set.counted_tiles()) {
         double of_tile = 0;
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
             const LocalId a = set.a[c], b = set.b[c];
@@ -56,7 +56,8 @@ Overlaps overlaps(const Simulation<D>& simulation) {
     comm.sum(sum.limbs());
     o.largest = comm.max(o.largest);
     o.contacts = comm.sum(o.contacts);
-    o.candidates = comm.sum(static_cast<std::int64_t>(set.size()));
+    const auto counted = set.counted_tiles();
+    o.candidates = comm.sum(static_cast<std::int64_t>(counted.empty() ? 0 : counted.back().candidates_end));
     o.mean = o.contacts > 0 ? sum.value() / static_cast<double>(o.contacts) : 0.0;
     return o;
 }
@@ -136,10 +137,10 @@ std::vector<FrameGrain<D>> frame_grains(const Simulation<D>& simulation) {
     const auto& comm = simulation.comm();
     std::vector<std::vector<Load>> to(static_cast<std::size_t>(comm.size()));
     for (std::size_t c = 0; c < set.a.size(); ++c) {
-        if (set.r_n[c] == 0) {
+        const LocalId a = set.a[c], b = set.b[c];
+        if (set.r_n[c] == 0 || a >= state.n_own) {
             continue;
         }
-        const LocalId a = set.a[c], b = set.b[c];
         to[static_cast<std::size_t>(comm.rank())].push_back({state.id[a], partner_key(state, b), set.r_n[c]});
         if (b < state.n_held()) {
             const int owner =
@@ -184,6 +185,9 @@ std::vector<FrameContact<D>> frame_contacts(const Simulation<D>& simulation) {
     std::vector<FrameContact<D>> rows;
     for (std::size_t c = 0; c < set.a.size(); ++c) {
         const LocalId a = set.a[c], b = set.b[c];
+        if (a >= state.n_own) {
+            continue;
+        }
         const auto g = contact_geometry(state, walls, a, b);
         const auto* law = find_law(simulation.scene(), state.material[a], state.material[b]);
         const bool cohesive = simulation.contacts().cohesive() && law != nullptr && law->gamma > 0;

@@ -1,20 +1,12 @@
 #include "solver/simulation.hpp"
 
+#include "core/large_grains.hpp"
 #include "core/mix.hpp"
 
 #include <algorithm>
 #include <limits>
 
 namespace nappe {
-
-template <int D>
-double largest_radius(const Scene<D>& scene) {
-    double r = scene.sample ? scene.sample->radii.max : 0.0;
-    for (const auto& g : scene.grains) {
-        r = std::max(r, g.radius);
-    }
-    return r;
-}
 
 template <int D>
 double smallest_radius(const Scene<D>& scene) {
@@ -33,6 +25,7 @@ Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const
       sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)), r_min_(smallest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);
     state_.carries = features_of(scene);
+    state_.large_above = nappe::large_above(scene);
 }
 
 template <int D>
@@ -185,7 +178,6 @@ std::uint64_t Simulation<D>::state_hash() const {
 }
 
 template class Simulation<2>;
-template double largest_radius(const Scene<2>&);
 template double smallest_radius(const Scene<2>&);
 
 } // namespace nappe

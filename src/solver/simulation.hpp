@@ -289,9 +289,6 @@ private:
     double rebuild_seconds_ = 0;              ///< of the last rebuild in which no tile moved
 };
 
-/// Largest radius of a scene: what sizes its tiles [m].
-template <int D>
-double largest_radius(const Scene<D>& scene);
 template <int D>
 double smallest_radius(const Scene<D>& scene); ///< [m]
 

@@ -251,7 +251,7 @@ template <int D>
 double Simulation<D>::velocity_scale(double h) const {
     ExactSum squares;
     std::int64_t n = 0;
-    for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+    for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
         const auto [sum, touching] = contacts_.touching_speed(t, state_.u);
         squares.add(sum);
         n += touching;
@@ -354,8 +354,9 @@ void Simulation<D>::integrate(double h) {
 template <int D>
 void Simulation<D>::find_reported_tiles() {
     reported_tiles_.clear();
-    for (std::size_t t = 0; t < candidates_.tiles.size(); ++t) {
-        const auto& tile = candidates_.tiles[t];
+    const auto tiles = candidates_.counted_tiles();
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+        const auto& tile = tiles[t];
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
             const LocalId a = candidates_.a[c], b = candidates_.b[c];
             if (b >= state_.n_held() || (state_.cells_of(a) | state_.cells_of(b)) != 0) {

@@ -8,10 +8,11 @@ namespace nappe {
 template <int D>
 void TileCosts<D>::relist(const CandidateSet<D>& candidates) {
     const auto before = std::move(costs_);
-    costs_.assign(candidates.tiles.size(), {});
+    const auto tiles = candidates.plain_tiles();
+    costs_.assign(tiles.size(), {});
     auto old = before.begin();
     for (std::size_t t = 0; t < costs_.size(); ++t) {
-        costs_[t].key = candidates.tiles[t].key;
+        costs_[t].key = tiles[t].key;
         while (old != before.end() && old->key < costs_[t].key) {
             ++old;
         }

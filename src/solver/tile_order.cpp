@@ -64,16 +64,17 @@ void slice(const CandidateSet<D>& candidates, std::vector<int>& layer) {
 template <int D>
 void TileOrder<D>::build(const CandidateSet<D>& candidates) {
     std::unordered_map<TileKey, std::int32_t> row_of;
-    std::vector<int> layer(candidates.tiles.size(), -1);
+    const auto tiles = candidates.plain_tiles();
+    std::vector<int> layer(tiles.size(), -1);
     bool any = false;
     for (std::size_t t = 0; t < layer.size(); ++t) {
-        layer[t] = candidates.tiles[t].interface ? 0 : -1;
-        any = any || candidates.tiles[t].interface;
+        layer[t] = tiles[t].interface ? 0 : -1;
+        any = any || tiles[t].interface;
     }
     if (any) {
         row_of.reserve(layer.size());
         for (std::size_t t = 0; t < layer.size(); ++t) {
-            row_of.emplace(candidates.tiles[t].key, static_cast<std::int32_t>(t));
+            row_of.emplace(tiles[t].key, static_cast<std::int32_t>(t));
         }
         spread(candidates, row_of, layer);
     }
@@ -81,12 +82,12 @@ void TileOrder<D>::build(const CandidateSet<D>& candidates) {
     const int last = layer.empty() ? 0 : *std::max_element(layer.begin(), layer.end());
     layers_.resize(static_cast<std::size_t>(last) + 1);
     for (auto& of_layer : layers_) {
-        for (auto& tiles : of_layer) {
-            tiles.clear();
+        for (auto& of_colour : of_layer) {
+            of_colour.clear();
         }
     }
     for (std::size_t t = 0; t < layer.size(); ++t) {
-        layers_[static_cast<std::size_t>(layer[t])][static_cast<std::size_t>(candidates.tiles[t].colour)].push_back(
+        layers_[static_cast<std::size_t>(layer[t])][static_cast<std::size_t>(tiles[t].colour)].push_back(
             static_cast<std::int32_t>(t));
     }
 }

@@ -7,6 +7,7 @@ namespace nappe {
 template <int D>
 void TileSweep<D>::order_tiles(const CandidateSet<D>& candidates, bool with_bodies) {
     order_.build(candidates);
+    large_ = candidates.has_large() ? candidates.tiles.size() - 1 : no_tile;
     grains_.clear();
     for (const auto& tile : candidates.tiles) {
         grains_.emplace_back(tile.grains_begin, tile.grains_end);

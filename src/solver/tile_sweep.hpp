@@ -1,7 +1,8 @@
 #pragma once
 // Passes over all tiles in the order of TileOrder, with the exchange of velocities after each tile colour: colour by
 // colour, first the tiles whose grains other ranks hold, then, while messages fly, the rest. In time, several passes go
-// over a part of the sample together where that changes nothing. What is done to a tile is the caller's.
+// over a part of the sample together where that changes nothing. The contacts of large grains come behind each pass, when
+// its velocities have arrived. What is done to a tile is the caller's.
 
 #include "core/exact_sum.hpp"
 #include "core/stopwatch.hpp"
@@ -113,6 +114,8 @@ private:
     template <class Body, class Visit>
     void run_untimed(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit);
     template <class Body, class Visit>
+    void run_tiles(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit);
+    template <class Body, class Visit>
     void run_coupled_by_sweep(int n, Halo<D>& halo, std::vector<Body>& u, Visit& visit);
 
     const Communicator& comm_;
@@ -137,6 +140,7 @@ private:
 
     Lists bodies_, around_;
     std::vector<bool> shared_;
+    std::size_t large_ = no_tile; ///< the contacts of large grains, if this rank has them
     std::vector<double>* seconds_ = nullptr;
 };
 
@@ -156,12 +160,26 @@ void TileSweep<D>::run(int n, int together, Halo<D>& halo, std::vector<Body>& u,
     run_untimed(n, together, halo, u, timed);
 }
 
+/// A pass must have ended, on this rank, before the contacts of large grains: several of them can not go together.
+template <int D>
+template <class Body, class Visit>
+void TileSweep<D>::run_untimed(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit) {
+    if (large_ == no_tile) {
+        run_tiles(n, together, halo, u, visit);
+        return;
+    }
+    for (int pass = 0; pass < n; ++pass) {
+        run_tiles(1, 1, halo, u, visit);
+        visit(large_, no_tile);
+    }
+}
+
 /// Groups of passes. Moments 0 … P - 1 of a group of P phases are those in which layer 0 has a phase to do; in the P + d-th
 /// layer d does its last. Where ranks wait for each other, the moments after P - 1 are kept for the next group's messages:
 /// its moment m touches layers up to m, whose neighbours the group before must have left.
 template <int D>
 template <class Body, class Visit>
-void TileSweep<D>::run_untimed(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit) {
+void TileSweep<D>::run_tiles(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit& visit) {
     constexpr int n_colours = n_tile_colours<D>;
     const int last = order_.last_layer();
     const bool alone = comm_.size() == 1;

@@ -42,7 +42,7 @@ double Simulation<D>::energy_growth(double h, int n, const StepStart<D>* start) 
     const auto moves = [](const auto& v) { return v.squaredNorm() > 0; };
     if (std::any_of(walls_.v.begin(), walls_.v.end(), moves) ||
         std::any_of(walls_.v_old.begin(), walls_.v_old.end(), moves)) {
-        for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+        for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
             double of_tile = 0;
             contacts_.for_each_of_walls(t, [&](LocalId b, const Vec<D>& normal, double r_n, double r_t) {
                 const auto w = static_cast<std::size_t>(walls_.feature(b - state_.n_held()).wall);
@@ -80,7 +80,7 @@ double Simulation<D>::work_of_bonds(double h, int n, const StepStart<D>* start) 
         return w;
     };
     ExactSum sum;
-    for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
+    for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
         double of_tile = 0;
         contacts_.for_each_bond(t, [&](LocalId a, LocalId b, const Vec<D>& normal, double most) {
             of_tile -= most / h * normal.dot(way(a) - way(b));

@@ -71,6 +71,7 @@ substeps = 2
 side = 8
 skin = 0.05
 lookahead = 4
+large_above = 1.5
 [balance]
 threshold = 1.1
 every = 100

@@ -92,9 +92,10 @@ inline std::string fields(const Scene<2>& scene) {
         text += fmt::format(" bounds {} {} {}", shown(w.bounds->min), shown(w.bounds->max),
                             static_cast<int>(w.bounds->then));
     }
-    return text + fmt::format("\ntiles {:a} {:a} {:a} balance {:a} {} {} {}\n", scene.tiles.side, scene.tiles.skin,
-                              scene.tiles.lookahead, scene.balance.threshold, scene.balance.every,
-                              static_cast<int>(scene.balance.by), static_cast<int>(scene.balance.moves));
+    return text + fmt::format("\ntiles {:a} {:a} {:a} {:a} balance {:a} {} {} {}\n", scene.tiles.side, scene.tiles.skin,
+                              scene.tiles.lookahead, scene.tiles.large_above, scene.balance.threshold,
+                              scene.balance.every, static_cast<int>(scene.balance.by),
+                              static_cast<int>(scene.balance.moves));
 }
 
 } // namespace nappe::test
