@@ -1,5 +1,6 @@
 #include "commands/prepare.hpp"
 
+#include "commands/drop.hpp"
 #include "commands/watched_step.hpp"
 #include "core/error.hpp"
 #include "core/initial_grains.hpp"
@@ -114,6 +115,9 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
                             fmt::join(s.layer_tops, " "), text_of(s.profile));
     }
     for (const auto& g : scene.grains) {
+        if (g.drop) { // not of the sample
+            continue;
+        }
         text += fmt::format("grain {} {} [{}, {}] [{}, {}] {} {}\n", g.material, g.radius, g.position[0], g.position[1],
                             g.velocity[0], g.velocity[1], g.spin[0], g.layer);
     }
@@ -151,7 +155,7 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
         }
     }
     text += fmt::format("tiles {} {} {}\n", scene.tiles.side, scene.tiles.skin, scene.tiles.lookahead);
-    if (has_large_grains(scene)) {
+    if (has_large_grains(scene, false)) {
         text += fmt::format("large above {}\n", large_above(scene));
     }
     return {physics_revision, text};
@@ -175,8 +179,8 @@ Preparation preparation_from(const nlohmann::ordered_json& json) {
 
 namespace {
 
-/// The deposit in the simulation.
-void deposit(Simulation<2>& simulation, double h, Preparation& report, Progress& progress) {
+/// The deposit in the simulation. @param to_load without a stage to settle in: what is to be dropped comes at once
+void deposit(Simulation<2>& simulation, double h, bool to_load, Preparation& report, Progress& progress) {
     const auto& comm = simulation.comm();
     const auto start = std::chrono::steady_clock::now();
     std::vector<GrainRow<2>> grains;
@@ -191,7 +195,7 @@ void deposit(Simulation<2>& simulation, double h, Preparation& report, Progress&
     comm.throw_together<InputError>(error);
     report.deposit_seconds = seconds_since(start);
     progress.info(fmt::format("deposited {} grains in {:.2f} s", grains.size(), report.deposit_seconds));
-    simulation.load(grains, {}, h);
+    simulation.load(to_load ? with_dropped(comm, simulation.scene(), std::move(grains)) : grains, {}, h);
 }
 
 } // namespace
@@ -222,14 +226,14 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
         const auto found = load_sample<2>(comm, store, origin, row_limits(scene));
         if (found.sample) {
             progress.info(fmt::format("settled sample: {} reused", sample_path(store, origin).string()));
-            simulation.load(found.sample->grains, found.sample->contacts, h);
+            simulation.load(with_dropped(comm, scene, found.sample->grains), found.sample->contacts, h);
             report.reused = true;
             return report;
         }
         progress.info("settled sample: to be made (" + found.reason + ")");
     }
     if (course == nullptr) {
-        deposit(simulation, h, report, progress);
+        deposit(simulation, h, n_settling == 0, report, progress);
     }
     if (n_settling == 0) {
         return report;
@@ -255,7 +259,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
         throw SystemError(fmt::format("{}: the sample just stored can not be read back ({}); check the disk",
                                       sample_path(store, origin).string(), stored.reason));
     }
-    simulation.load(stored.sample->grains, stored.sample->contacts, h);
+    simulation.load(with_dropped(comm, scene, stored.sample->grains), stored.sample->contacts, h);
     report.settle_seconds = settled_before + seconds_since(start);
     return report;
 }

@@ -49,6 +49,7 @@ std::vector<Part> parts_of(const Scene<2>& scene) {
     for (const auto& g : scene.grains) {
         text += fmt::format("{} {} {} {} {} {}\n", g.material, g.radius, text_of(g.position), text_of(g.velocity),
                             g.spin[0], g.layer);
+        text += g.drop ? "dropped\n" : "";
     }
     parts.push_back({"grains", text});
     text.clear();

@@ -16,19 +16,25 @@ std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
         }
     }
     for (const auto& single : scene.grains) {
-        GrainRow<2> row;
-        row.id = static_cast<GlobalId>(rows.size());
-        row.x = {single.position[0], single.position[1]};
-        row.v = {single.velocity[0], single.velocity[1]};
-        row.spin = {single.spin[0]};
-        row.radius = single.radius;
-        row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi *
-                   single.radius * single.radius;
-        row.material = single.material;
-        row.layer = single.layer;
-        rows.push_back(row);
+        if (!single.drop) {
+            rows.push_back(single_grain(scene, single, static_cast<GlobalId>(rows.size())));
+        }
     }
     return rows;
+}
+
+GrainRow<2> single_grain(const Scene<2>& scene, const SingleGrain<2>& single, GlobalId id) {
+    GrainRow<2> row;
+    row.id = id;
+    row.x = {single.position[0], single.position[1]};
+    row.v = {single.velocity[0], single.velocity[1]};
+    row.spin = {single.spin[0]};
+    row.radius = single.radius;
+    row.mass = scene.materials[static_cast<std::size_t>(single.material)].density * std::numbers::pi * single.radius *
+               single.radius;
+    row.material = single.material;
+    row.layer = single.layer;
+    return row;
 }
 
 } // namespace nappe

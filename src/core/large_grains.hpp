@@ -31,10 +31,12 @@ double largest_radius(const Scene<D>& scene) {
     return r;
 }
 
+/// @param dropped also those that come when loading starts
 template <int D>
-bool has_large_grains(const Scene<D>& scene) {
+bool has_large_grains(const Scene<D>& scene, bool dropped = true) {
     const double limit = large_above(scene);
-    return std::any_of(scene.grains.begin(), scene.grains.end(), [&](const auto& g) { return g.radius > limit; });
+    return std::any_of(scene.grains.begin(), scene.grains.end(),
+                       [&](const auto& g) { return g.radius > limit && (dropped || !g.drop); });
 }
 
 /// Whether the surfaces of two grains were nearer at the last rebuild than both may go until the next, with the reaches

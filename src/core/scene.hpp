@@ -68,7 +68,7 @@ struct Sample {
     std::uint64_t seed = 1;
 };
 
-/// A grain given one by one; these follow the sample's grains in the order of GlobalId.
+/// A grain given one by one; these follow the sample's grains in the order of GlobalId, those to be dropped last.
 template <int D>
 struct SingleGrain {
     int material = 0;
@@ -77,6 +77,7 @@ struct SingleGrain {
     Vec<D> velocity = Vec<D>::Zero();
     Eigen::Matrix<double, n_spin<D>, 1> spin = Eigen::Matrix<double, n_spin<D>, 1>::Zero(); ///< [rad/s]
     int layer = 1;
+    bool drop = false; ///< comes when loading starts, see commands/drop.hpp
 };
 
 /// Constant velocity from the start of a stage, or from a time on, until an optional end.

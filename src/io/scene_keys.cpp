@@ -17,7 +17,7 @@ const std::vector<TableKeys>& all_keys() {
         {"[sample]", {"material", "radius", "profile", "layers", "seed"}},
         {"sample.radius", {"law", "min", "max", "value"}},
         {"sample.layers", {"count", "from", "to"}},
-        {"[[grains]]", {"material", "radius", "position", "velocity", "spin", "layer"}},
+        {"[[grains]]", {"material", "radius", "position", "velocity", "spin", "layer", "drop"}},
         {"[[walls]]", {"name", "points", "material", "motion"}},
         {"walls.motion", {"stage", "start", "velocity", "stop"}},
         {"[[stages]]", {"name", "until", "duration", "solver"}},

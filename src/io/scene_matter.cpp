@@ -329,6 +329,7 @@ void read_grains(const TableReader& top, Scene<2>& scene) {
         table.read("velocity", grain.velocity, any_real("m/s", "give the velocity as [x, y]"));
         table.read("spin", grain.spin[0], any_real("rad/s", "counter-clockwise is positive"));
         table.read("layer", grain.layer, {1, "layers are counted from 1"});
+        table.read("drop", grain.drop, "true lets it come when loading starts, touching what lies below");
         scene.grains.push_back(grain);
     }
 }

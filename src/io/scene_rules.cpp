@@ -240,7 +240,7 @@ void check_profile_is_free(const Scene<2>& scene, Problems& problems) {
     }
     for (std::size_t i = 0; i < scene.grains.size(); ++i) {
         const auto& grain = scene.grains[i];
-        if (depth(sample.profile, grain.position) > tolerance - grain.radius) {
+        if (!grain.drop && depth(sample.profile, grain.position) > tolerance - grain.radius) {
             problems.add(fmt::format("grains.{}.position", i),
                          fmt::format("must keep the grain out of sample.profile, found {} with radius {} [m]; move it",
                                      shown(scene, grain.position), grain.radius));
@@ -262,7 +262,7 @@ void check_single_grains(const Scene<2>& scene, Problems& problems) {
             if (b.position[0] - a.position[0] > largest) {
                 break;
             }
-            if ((b.position - a.position).norm() < std::max(a.radius, b.radius)) {
+            if (!a.drop && !b.drop && (b.position - a.position).norm() < std::max(a.radius, b.radius)) {
                 const auto [first, second] = std::minmax(by_x[k], by_x[l]);
                 problems.add(
                     fmt::format("grains.{}.position", second),
@@ -275,7 +275,7 @@ void check_single_grains(const Scene<2>& scene, Problems& problems) {
             for (std::size_t p = 1; p < wall.points.size(); ++p) {
                 const Vec<2> nearest = nearest_on_segment(wall.points[p - 1], wall.points[p], a.position);
                 const double distance = (nearest - a.position).norm();
-                if (distance < a.radius / 2) {
+                if (!a.drop && distance < a.radius / 2) {
                     problems.add(
                         fmt::format("grains.{}.position", by_x[k]),
                         fmt::format(

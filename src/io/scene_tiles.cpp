@@ -1,4 +1,4 @@
-// What tiles ask of a scene.
+// What tiles, large grains and those to be dropped ask of a scene.
 
 #include "core/large_grains.hpp"
 #include "io/scene_rules.hpp"
@@ -52,11 +52,24 @@ void check_large(const Scene<2>& scene, Problems& problems) {
     }
 }
 
+/// What is to be dropped needs a direction to fall in.
+void check_drops(const Scene<2>& scene, Problems& problems) {
+    for (std::size_t i = 0; i < scene.grains.size(); ++i) {
+        if (scene.grains[i].drop && scene.gravity.isZero(0)) {
+            problems.add(
+                fmt::format("grains.{}.drop", i),
+                "must be false without world.gravity, found true: a grain is dropped along it; give gravity, or "
+                "the place itself");
+        }
+    }
+}
+
 } // namespace
 
 void check_tiles(const Scene<2>& scene, Problems& problems) {
     check_sides(scene, problems);
     check_large(scene, problems);
+    check_drops(scene, problems);
 }
 
 } // namespace nappe::scene_file

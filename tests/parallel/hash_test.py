@@ -3,6 +3,7 @@ and stored samples of small scenes, with tiles changing hands all the time."""
 
 import os
 import pathlib
+import shutil
 import sys
 import unittest
 
@@ -147,6 +148,30 @@ class SameBits(SameFiles):
             self.assertGreater(run.summary["rebuilds"], 3)
             if n > 1:
                 self.assertGreater(run.summary["rebalanced"], 0, "no tile moved: the case is too easy")
+
+    def partners_of_last(self, run, n):
+        """The most that each of the last n grains touched in some frame."""
+        most = np.zeros(n, int)
+        for path in (run.out / "frames").glob("*.hdf"):
+            with h5py.File(path, "r") as frame:
+                data = frame["VTKHDF/PointData"]
+                most = np.maximum(most, data["coordination"][()][np.argsort(data["id"][()])][-n:])
+        return most
+
+    def test_large_grains(self):
+        fall = "stages__fall__solver__"
+        smooth = sets(**{fall + "method": "cundall", fall + "h": 3e-5, "stages__fall__duration": 0.009})
+        all_at_once = {fall + "method": "nncg", fall + "tolerance": 1e-3, fall + "max_sweeps": 60}
+        all_at_once |= {fall + "substeps": 4, fall + "geometry_every": 2, fall + "position_correction": 0.2}
+        ways = {"nsgs": [], "cundall": smooth, "all at once": sets(**all_at_once)}
+        for way, keys in ways.items():
+            with self.subTest(way=way):
+                shutil.rmtree(self.folder / "samples-1", ignore_errors=True)
+                ranks = (2, 3, 5, 7)
+                for n, run in self.runs(SCENES / "small_rockfall.toml", ranks, *keys):
+                    self.assertGreater(min(self.partners_of_last(run, 2)), 2, "hardly anything was touched")
+                    if n > 1:
+                        self.assertGreater(run.summary["rebalanced"], 0, "no tile moved: the case is too easy")
 
     def test_coupled_once_a_sweep(self):
         # The one mode that ranks may be seen in: on one it is the default, on so many ranks two runs have the same bits.

@@ -99,6 +99,14 @@ class Restarts(SameFiles):
         # The tangential springs are what is not in positions and velocities.
         self.in_parts(FOLD, (333, 777), (2, 3, 1), *SMOOTH, *sets(stages__push__duration=0.1, tiles__skin=0.005, tiles__lookahead=1))
 
+    def test_large_grains(self):
+        fall = "stages__fall__solver__"
+        for keys in ({}, {fall + "method": "cundall", fall + "h": 3e-5, "stages__fall__duration": 0.018}):
+            with self.subTest(**keys):
+                cuts = (201, 410) if keys else (17, 40)
+                self.in_parts(SCENES / "small_rockfall.toml", cuts, (2, 3, 1), *sets(**keys))
+                shutil.rmtree(self.folder / "whole", ignore_errors=True)
+
     def test_coupled_once_a_sweep_on_the_same_ranks(self):
         # Here results follow from who owns which tiles; none may move, since when they do, clocks have a say.
         keys = sets(stages__push__solver__coupling="sweep", balance__threshold=1000)

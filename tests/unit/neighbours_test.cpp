@@ -137,6 +137,60 @@ TEST(Neighbours, AreAllThePairsThereAre) {
     }
 }
 
+TEST(Neighbours, LargeGrainsMeetAllTheirPartnersBehindTheTiles) {
+    const TileGrid<2> grid({0.3, -0.7}, side);
+    const auto walls = some_walls();
+    for (const bool alone : {true, false}) {
+        Walls<2> features(walls);
+        features.margin = {0.2, 0.05};
+        auto grains = random_grains(400, 8.0, 6);
+        const std::vector<std::size_t> large{3, 77, 200};
+        for (std::size_t k = 0; k < large.size(); ++k) { // larger than tiles allow
+            grains[large[k]].radius = 1.5 + static_cast<double>(k);
+            grains[large[k]].margin = 0.5;
+        }
+        auto state = state_of(grains, grid, features.n_bodies(),
+                              [&](TileKey key) { return alone || (TileGrid<2>::unpack(key)[0] + 300) % 3 != 0; });
+        state.large_above = 0.4;
+        const auto set = find_candidates(state, grid, features, {});
+        ASSERT_TRUE(set.has_large());
+        ASSERT_EQ(set.plain_tiles().size() + 1, set.tiles.size());
+
+        // Every rank that has large grains has all their partners, so ghosts are as good as owned grains there.
+        auto all = state;
+        all.n_own = all.n_held();
+        std::set<GlobalId> ids;
+        GlobalId lowest = 0;
+        for (LocalId i = state.n_held(); i-- > 0;) {
+            if (state.is_large(i)) {
+                ids.insert(state.id[i]);
+            }
+        }
+        ASSERT_EQ(ids.size(), 3u);
+        lowest = *ids.begin();
+        std::set<Pair> of_tiles, of_large;
+        for (const auto& pair : all_pairs(state, walls, features.margin)) {
+            if (!ids.contains(pair.first) && !ids.contains(pair.second)) {
+                of_tiles.insert(pair);
+            }
+        }
+        for (const auto& pair : all_pairs(all, walls, features.margin)) {
+            if (ids.contains(pair.first) || ids.contains(pair.second)) {
+                of_large.insert(pair);
+            }
+        }
+        const auto found = names(state, set);
+        const auto end = static_cast<std::ptrdiff_t>(set.tiles.back().candidates_begin);
+        EXPECT_EQ(std::set<Pair>(found.begin(), found.begin() + end), of_tiles);
+        EXPECT_EQ(std::set<Pair>(found.begin() + end, found.end()), of_large);
+        EXPECT_EQ(found.size(), of_tiles.size() + of_large.size()) << "a pair twice";
+        EXPECT_GT(of_large.size(), 40u);
+
+        const auto row = std::find(state.id.begin(), state.id.end(), lowest) - state.id.begin();
+        EXPECT_EQ(set.counts_large, row < state.n_own) << "the owner of the first large grain counts";
+    }
+}
+
 /// First fit, told naively: the least class in which neither grain has been seen.
 std::vector<std::int32_t> first_fit(const std::vector<LocalId>& a, const std::vector<LocalId>& b, LocalId n_grains) {
     std::map<LocalId, std::set<std::int32_t>> taken;

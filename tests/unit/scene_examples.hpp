@@ -39,6 +39,7 @@ position = [10, 12]
 velocity = [0, -1]
 spin = 2.5
 layer = 4
+drop = false
 [[walls]]
 name = "floor"
 points = [[0, 0], [20, 0]]

@@ -53,8 +53,8 @@ inline std::string fields(const Scene<2>& scene) {
         text += "\n";
     }
     for (const auto& g : scene.grains) {
-        text += fmt::format("grain {} {:a} {} {} {:a} {}\n", g.material, g.radius, shown(g.position), shown(g.velocity),
-                            g.spin[0], g.layer);
+        text += fmt::format("grain {} {:a} {} {} {:a} {} {}\n", g.material, g.radius, shown(g.position),
+                            shown(g.velocity), g.spin[0], g.layer, g.drop);
     }
     for (const auto& w : scene.walls) {
         text += fmt::format("wall {} {} ", w.name, w.material);
