@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from . import budget, cells, chains, compared, curves, flow, layers, profile, solver, style, trade, views
+from . import budget, cells, chains, compared, curves, flow, impact, layers, profile, solver, style, trade, views
 from .run import BadRun, Run
 
 
@@ -28,6 +28,9 @@ PICTURES = {
     "trishear": (_views(flow.draw_trishear), "fields and zone in measures/ (nappe measure)"),
     "strain": (_views(flow.draw_strain), "fields in measures/ (nappe measure) after the start"),
     "budget": (_views(budget.draw), "energy budget (output.measures.energy)"),
+    "gauges": (impact.draw_gauges, "gauges of one bin (output.gauges)"),
+    "penetration": (impact.draw_fall, "probes (output.probes)"),
+    "impact": (impact.draw_impact, "a gauge with several bins (output.gauges)"),
 }
 # Of the folder of a matrix of settings (nappe trade).
 TRADE = {"trade": (trade.draw, "settings")}
@@ -42,6 +45,8 @@ COMPARED = {
     "cells": (compared.draw_cells, "cells that all have"),
     "zone": (compared.draw_zone, "zone in measures/ (nappe measure)"),
     "budget": (budget.draw, "energy budget (output.measures.energy)"),
+    "gauges": (impact.draw_gauges_compared, "gauges of one bin (output.gauges)"),
+    "penetration": (impact.draw_fall_compared, "probes (output.probes)"),
 }
 
 

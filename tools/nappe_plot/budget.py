@@ -11,8 +11,13 @@ TERMS = [
     ("friction", -1, "friction"),
     ("impact", -1, "impacts"),
     ("cohesion", -1, "cohesion"),
+    ("spring", -1, "springs"),
+    ("dashpot", -1, "contact damping"),
+    ("damping", -1, "global damping"),
     ("theta_term", 1, r"scheme, $\theta \neq 1/2$"),
 ]
+# Of contacts some are rigid and some smooth, never both in a stage.
+COLOURS = dict(zip([name for name, _, _ in TERMS], [*palette.LINES[:6], palette.LINES[4], palette.LINES[3], palette.LINES[5]]))
 
 
 def draw(views, out):
@@ -26,12 +31,12 @@ def draw(views, out):
     n_columns = min(len(known), 2)
     size = (15, 5.2 * n_rows + 0.4) if n_columns == 2 else style.PLOT
     figure, axes = plt.subplots(n_rows, n_columns, figsize=size, squeeze=False, sharey=True, layout="constrained")
-    scale, unit = solver.joules([energy[name] for _, energy in known for name, _, _ in TERMS])
+    scale, unit = solver.joules([energy[name] for _, energy in known for name, _, _ in TERMS if name in energy])
     for axis, (view, energy) in zip(axes.flat, known):
         gained = energy["kinetic"] - energy["kinetic"][0]
-        for (name, sign, label), colour in zip(TERMS, palette.LINES):
-            if abs(energy[name]).max() > 0:
-                axis.plot(energy["time"], sign * energy[name] / scale, color=colour, label=label)
+        acting = [term for term in TERMS if term[0] in energy and abs(energy[term[0]]).max() > 0]
+        for name, sign, label in acting:
+            axis.plot(energy["time"], sign * energy[name] / scale, color=COLOURS[name], label=label)
         axis.plot(energy["time"], gained / scale, color=palette.INK, label="kinetic energy gained")
         axis.plot(energy["time"], energy["error"] / scale, color=palette.MUTED, linestyle=":", label="error of the sum")
         axis.set(xlabel="time [s]", title=view.label if len(known) > 1 else "")
