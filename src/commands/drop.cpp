@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -26,6 +27,10 @@ double way_to(const GrainRow<2>& grain, const Vec<2>& x, double radius, const Ve
 }
 
 } // namespace
+
+std::int64_t n_dropped(const Scene<2>& scene) {
+    return std::count_if(scene.grains.begin(), scene.grains.end(), [](const auto& g) { return g.drop; });
+}
 
 std::vector<GrainRow<2>> with_dropped(const Communicator& comm, const Scene<2>& scene,
                                       std::vector<GrainRow<2>> grains) {

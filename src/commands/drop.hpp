@@ -14,4 +14,7 @@ namespace nappe {
 /// ranks if there is none below, or if it starts inside of one.
 std::vector<GrainRow<2>> with_dropped(const Communicator& comm, const Scene<2>& scene, std::vector<GrainRow<2>> grains);
 
+/// Local. How many these are.
+std::int64_t n_dropped(const Scene<2>& scene);
+
 } // namespace nappe

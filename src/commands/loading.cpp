@@ -75,6 +75,7 @@ void Loading::write_due(std::uint32_t agreed) {
     if (row) {
         recorder_.write_row(step, course_.time);
     }
+    recorder_.write_sensors(step, course_.time, whole);
     if (frame) {
         recorder_.write_frame(step, course_.time);
     }
@@ -84,6 +85,9 @@ void Loading::write_due(std::uint32_t agreed) {
     }
     if (ends && !row) {
         recorder_.write_row(step, course_.time);
+    }
+    if (ends && !whole) {
+        recorder_.write_sensors(step, course_.time, true);
     }
     if ((ends || course_.stopped) && !frame) {
         recorder_.write_frame(step, course_.time);

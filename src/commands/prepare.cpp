@@ -1,12 +1,14 @@
 #include "commands/prepare.hpp"
 
 #include "commands/drop.hpp"
+#include "commands/sensors.hpp"
 #include "commands/watched_step.hpp"
 #include "core/error.hpp"
 #include "core/initial_grains.hpp"
 #include "core/large_grains.hpp"
 #include "io/stored_manifest.hpp"
 #include "solver/observables.hpp"
+#include "solver/smooth_energy.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,25 +35,36 @@ std::string text_of(const std::vector<Vec<2>>& points) {
 
 struct SettleState {
     double kinetic = 0; ///< over weight times mean radius
-    double residual = 0;
+    double rest = 0;    ///< the residual, or of smooth contacts the unbalanced force
 };
+
+const char* name_of_rest(const Simulation<2>& simulation) {
+    return is_smooth(simulation.settings()) ? "unbalanced force" : "residual";
+}
 
 SettleState settle_state(const Simulation<2>& simulation) {
     const double scale = simulation.total_mass() * simulation.scene().gravity.norm() * simulation.mean_radius();
     const double kinetic = energies(simulation).kinetic;
-    return {scale > 0 ? kinetic / scale : kinetic,
-            simulation.last_residual() ? simulation.last_residual()->largest : 0.0};
+    return {scale > 0 ? kinetic / scale : kinetic, is_smooth(simulation.settings()) ? unbalanced_force(simulation)
+                                                   : simulation.last_residual() ? simulation.last_residual()->largest
+                                                                                : 0.0};
 }
 
-bool is_settled(const SettleState& now, const SettleCriterion& wanted) {
-    return now.kinetic <= wanted.kinetic && now.residual <= wanted.residual;
+double wanted_rest(const Simulation<2>& simulation, const SettleCriterion& wanted) {
+    return is_smooth(simulation.settings()) ? wanted.unbalanced : wanted.residual;
 }
 
-NumericalFailure unsettled(const std::string& stage, const SettleState& now, const SettleCriterion& wanted) {
+bool is_settled(const Simulation<2>& simulation, const SettleState& now, const SettleCriterion& wanted) {
+    return now.kinetic <= wanted.kinetic && now.rest <= wanted_rest(simulation, wanted);
+}
+
+NumericalFailure unsettled(const Simulation<2>& simulation, const std::string& stage, const SettleState& now,
+                           const SettleCriterion& wanted) {
     return NumericalFailure(fmt::format(
         "stage '{}' did not settle within {} s: kinetic energy over weight x mean radius is {:.3g} (wanted {:.3g}), "
-        "residual {:.3g} (wanted {:.3g}); allow more time (until.at_most), more sweeps, or ask for less",
-        stage, wanted.at_most, now.kinetic, wanted.kinetic, now.residual, wanted.residual));
+        "{} {:.3g} (wanted {:.3g}); allow more time (until.at_most), {}, or ask for less",
+        stage, wanted.at_most, now.kinetic, wanted.kinetic, name_of_rest(simulation), now.rest,
+        wanted_rest(simulation, wanted), is_smooth(simulation.settings()) ? "more damping" : "more sweeps"));
 }
 
 /// Steps of one settling stage, from its start or on from where the simulation is. Throws NumericalFailure if it takes too
@@ -70,7 +83,7 @@ void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progre
         progress.update(simulation.stage_steps(), simulation.time());
         if (look) { // before any checkpoint: a restart does not look again
             const auto now = settle_state(simulation);
-            if (is_settled(now, wanted)) {
+            if (is_settled(simulation, now, wanted)) {
                 break;
             }
             if (simulation.time() >= wanted.at_most) {
@@ -79,7 +92,7 @@ void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progre
                                                  "time (--set stages.{}.until.at_most=…) goes on from there",
                                                  name));
                 }
-                throw unsettled(name, now, wanted);
+                throw unsettled(simulation, name, now, wanted);
             }
         }
         const bool stops = Checkpointer::stops(agreed);
@@ -92,8 +105,25 @@ void settle(Simulation<2>& simulation, int stage, bool goes_on, Progress& progre
     }
     progress.end_stage();
     const auto end = settle_state(simulation);
-    progress.info(fmt::format("settled after {} steps: kinetic {:.3g}, residual {:.3g}", simulation.stage_steps(),
-                              end.kinetic, end.residual));
+    progress.info(fmt::format("settled after {} steps: kinetic {:.3g}, {} {:.3g}", simulation.stage_steps(),
+                              end.kinetic, name_of_rest(simulation), end.rest));
+}
+
+/// What a smooth stage goes by, beside frictions.
+std::string springs_text(const Scene<2>& scene, double unbalanced) {
+    std::string text = fmt::format("smooth contacts of revision 1, unbalanced {}\n", unbalanced);
+    for (const auto& l : scene.laws) {
+        const auto dashpot = [](const SpringDashpot& of) { return of.c ? fmt::format("{}", *of.c) : "critical"; };
+        if (l.springs) {
+            const auto& [normal, tangential] = *l.springs;
+            text += fmt::format("springs {} {} normal {} {} tangential {} {}\n", l.material_a, l.material_b, normal.k,
+                                dashpot(normal), tangential.k, dashpot(tangential));
+        }
+    }
+    for (const auto& m : scene.materials) {
+        text += fmt::format("damping {} {} {}\n", m.name, m.damping, m.spin_damping);
+    }
+    return text;
 }
 
 } // namespace
@@ -113,6 +143,9 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
         text += fmt::format("sample {} radii {} {} {} seed {} layers {} profile{}\n", s.material,
                             static_cast<int>(s.radii.kind), s.radii.min, s.radii.max, s.seed,
                             fmt::join(s.layer_tops, " "), text_of(s.profile));
+        if (s.arrangement != Sample<2>::Arrangement::deposit) {
+            text += s.arrangement == Sample<2>::Arrangement::square ? "square lattice\n" : "staggered lattice\n";
+        }
     }
     for (const auto& g : scene.grains) {
         if (g.drop) { // not of the sample
@@ -131,6 +164,9 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
             text += fmt::format("settle {} {} h {} substeps {} theta {} sweeps {} tolerance {} {} {} method {}\n",
                                 stage.until->kinetic, stage.until->residual, s.h, s.substeps, s.theta, s.sweeps,
                                 s.tolerance.value_or(0.0), s.max_sweeps, s.check_every, static_cast<int>(s.method));
+            if (is_smooth(s)) {
+                text += springs_text(scene, stage.until->unbalanced);
+            }
             if (s.adaptive || s.geometry_every > 1 || s.position_correction > 0) {
                 text += fmt::format("adaptive {} geometry every {} correction {}\n", s.adaptive.value_or(0.0),
                                     s.geometry_every, s.position_correction);
@@ -227,6 +263,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
         if (found.sample) {
             progress.info(fmt::format("settled sample: {} reused", sample_path(store, origin).string()));
             simulation.load(with_dropped(comm, scene, found.sample->grains), found.sample->contacts, h);
+            check_probes(simulation);
             report.reused = true;
             return report;
         }
@@ -234,6 +271,7 @@ Preparation prepare(Simulation<2>& simulation, const std::filesystem::path& stor
     }
     if (course == nullptr) {
         deposit(simulation, h, n_settling == 0, report, progress);
+        check_probes(simulation, n_settling == 0 ? 0 : n_dropped(scene));
     }
     if (n_settling == 0) {
         return report;

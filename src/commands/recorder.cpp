@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "core/stress.hpp"
 #include "io/atomic_file.hpp"
+#include "solver/smooth_energy.hpp"
 
 #include <fmt/format.h>
 
@@ -21,6 +22,8 @@ Recorder::Recorder(Simulation<2>& simulation, const std::filesystem::path& folde
     if (comm.is_root()) {
         open_series(state);
     }
+    sensors_.emplace(simulation, folder, state != nullptr ? &state->at("sensors") : nullptr,
+                     state != nullptr ? &state->at("series") : nullptr);
     share_errors();
     if (state != nullptr) {
         resume(*state);
@@ -48,6 +51,9 @@ void Recorder::open_series(const nlohmann::ordered_json* state) {
     std::vector<std::string> energy{"kinetic", "potential", "wall_work"};
     if (scene.output.measures.energy) {
         energy.insert(energy.end(), {"gravity", "friction", "impact", "cohesion", "theta_term", "error"});
+        if (loads_springs(scene)) {
+            energy.insert(energy.end(), {"spring", "dashpot", "damping", "elastic"});
+        }
     }
     series_.energy = std::make_unique<SeriesWriter>(open("energy", energy));
     series_.solver =
@@ -65,6 +71,7 @@ void Recorder::begin() {
     // The forces that the settled sample carries, as if of one step.
     auto& sums = simulation_.sums();
     sums.clear();
+    sums.gauges().for_each_sum([](ExactSum& sum) { sum.clear(); });
     const auto& set = simulation_.candidates();
     for (const auto& tile : set.counted_tiles()) {
         for (auto c = tile.candidates_begin; c < tile.candidates_end; ++c) {
@@ -77,7 +84,17 @@ void Recorder::begin() {
         sums.end_tile();
     }
     sums.end_steps(1);
+    const auto& settings = simulation_.settings();
     write_row(0, 0.0);
+    sensors_->begin(settings.h / settings.substeps);
+    share_errors();
+}
+
+void Recorder::write_sensors(std::int64_t step, double time, bool all) {
+    const auto lap = simulation_.watch().lap(Timed::measure);
+    if (sensors_->write(step, time, all)) {
+        share_errors();
+    }
 }
 
 /// The scene as run, so that frames can be measured whatever becomes of the run.
@@ -145,11 +162,13 @@ void Recorder::write_energy(std::int64_t step, double time) {
         auto sums = simulation_.energy(); // the parts of all ranks are added up in a copy, and go on growing
         sums.for_each_sum([&](ExactSum& s) { simulation_.comm().sum(s.limbs()); });
         const EnergyBudget budget = sums.budget();
-        const double lost = budget.friction + budget.impact + budget.cohesion;
         const double error =
-            energy.kinetic - initial_kinetic_ - (budget.gravity + budget.theta_term + wall_work_ - lost);
+            energy.kinetic - initial_kinetic_ - (budget.gravity + budget.theta_term + wall_work_ - budget.lost());
         row.insert(row.end(),
                    {budget.gravity, budget.friction, budget.impact, budget.cohesion, budget.theta_term, error});
+        if (loads_springs(simulation_.scene())) {
+            row.insert(row.end(), {budget.spring, budget.dashpot, budget.damping, elastic_energy(simulation_)});
+        }
     }
     if (simulation_.comm().is_root()) {
         series_.energy->append(step, time, row);

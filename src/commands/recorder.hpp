@@ -2,6 +2,7 @@
 // Writes what a run leaves while it goes on: frames with their index, and the series.
 
 #include "commands/measurer.hpp"
+#include "commands/sensors.hpp"
 #include "io/frame_writer.hpp"
 #include "io/series.hpp"
 #include "io/xdmf_index.hpp"
@@ -53,6 +54,9 @@ public:
     /// **Collective.** One row in every series, of the interval since the row before.
     void write_row(std::int64_t step, double time);
 
+    /// **Collective.** Rows of gauges and probes that are due after this step, or `all` that have none of it yet.
+    void write_sensors(std::int64_t step, double time, bool all);
+
     /// **Collective.** Throws SystemError on all ranks if it can not be written.
     void write_frame(std::int64_t step, double time);
 
@@ -87,6 +91,9 @@ private:
             f(std::string("energy"), *series_.energy);
             f(std::string("solver"), *series_.solver);
         }
+        if (sensors_) {
+            sensors_->for_each_series(f);
+        }
     }
 
     void write_energy(std::int64_t step, double time);
@@ -100,6 +107,7 @@ private:
     XdmfIndex index_;
     std::optional<Measurer> measurer_; ///< if the scene wants measures during the run
     Series series_;                    ///< on the root only
+    std::optional<Sensors> sensors_;
     std::vector<CellShape<2>> initial_;
     double bed_ = 0;
     double wall_work_ = 0;       ///< since loading started [J]

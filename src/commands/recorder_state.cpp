@@ -130,6 +130,7 @@ nlohmann::ordered_json Recorder::state() {
     json["initial_kinetic"] = exact(initial_kinetic_);
     json["largest_overlap"] = exact(largest_overlap_);
     json["largest_residual"] = exact(largest_residual_);
+    json["sensors"] = sensors_->state();
     auto& frames = json["frames"] = nlohmann::ordered_json::array();
     for (std::size_t k = 0; k < index_.entries().size(); ++k) {
         const auto& entry = index_.entries()[k];

@@ -122,7 +122,8 @@ ExitCode restart(const Communicator& comm, RunOptions options) {
             "--set: what a sample is prepared by must be as the run began while it is being prepared, found it "
             "changed: the sample would be of neither kind; leave it away until then, or run the scene anew");
     }
-    if (preparing && sample_origin(scene, static_cast<int>(checkpoint.ranks)).made_from != sample_origin(scene, comm.size()).made_from) {
+    if (preparing && sample_origin(scene, static_cast<int>(checkpoint.ranks)).made_from !=
+                         sample_origin(scene, comm.size()).made_from) {
         throw InputError(fmt::format("{}: must go on on {} ranks while its sample is prepared with solver.coupling = "
                                      "\"sweep\", found {}: the sample would be of neither number; go on on {}, or run "
                                      "the scene anew",

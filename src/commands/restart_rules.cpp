@@ -41,8 +41,9 @@ std::vector<Part> parts_of(const Scene<2>& scene) {
     text.clear();
     if (scene.sample) {
         const auto& s = *scene.sample;
-        text = fmt::format("{} {} {} {} {} {} {}", s.material, static_cast<int>(s.radii.kind), s.radii.min, s.radii.max,
-                           s.seed, fmt::join(s.layer_tops, " "), text_of(s.profile));
+        text = fmt::format("{} {} {} {} {} {} {} {}", static_cast<int>(s.arrangement), s.material,
+                           static_cast<int>(s.radii.kind), s.radii.min, s.radii.max, s.seed,
+                           fmt::join(s.layer_tops, " "), text_of(s.profile));
     }
     parts.push_back({"sample", text});
     text.clear();
@@ -67,6 +68,16 @@ std::vector<Part> parts_of(const Scene<2>& scene) {
         text += fmt::format("{} {} {}\n", c.name, text_of(c.centre), c.radius);
     }
     parts.push_back({"output.cells", text});
+    text.clear();
+    for (const auto& g : scene.output.gauges) {
+        text += fmt::format("{} {} {} {} {} {}\n", g.name, g.wall, g.from, g.to, g.bins, g.every);
+    }
+    parts.push_back({"output.gauges", text});
+    text.clear();
+    for (const auto& p : scene.output.probes) {
+        text += fmt::format("{} {} {}\n", p.name, p.grain, p.every);
+    }
+    parts.push_back({"output.probes", text});
     parts.push_back({"tiles", fmt::format("{} {} {}", scene.tiles.side, scene.tiles.skin, scene.tiles.lookahead)});
     if (has_large_grains(scene)) { // scenes without them keep the key they had
         parts.push_back({"tiles.large_above", fmt::format("{}", large_above(scene))});
@@ -99,6 +110,11 @@ void check_restart(const Scene<2>& before, const Scene<2>& now, const SnapshotCl
             fmt::format("--set: output.measures.energy must be {} as the run began, since series/energy.csv has "
                         "its columns; leave it away",
                         before.output.measures.energy));
+    }
+    if (now.output.measures.energy && loads_springs(before) != loads_springs(now)) {
+        throw InputError(fmt::format("--set: {} stage may have method = \"cundall\" as the run began, since "
+                                     "series/energy.csv has the columns of that; leave it away",
+                                     loads_springs(before) ? "some loading" : "no loading"));
     }
     const auto stage_in_hand = static_cast<std::size_t>(clock.stage);
     for (std::size_t k = 0; k <= stage_in_hand; ++k) {

@@ -3,6 +3,7 @@
 // interval. By tile in the order of candidates, then exactly, so that the figures do not depend on ranks.
 
 #include "core/exact_sum.hpp"
+#include "core/gauge_sums.hpp"
 #include "core/state.hpp"
 #include "core/walls.hpp"
 
@@ -13,7 +14,8 @@ namespace nappe {
 template <int D>
 class ContactSums {
 public:
-    ContactSums(std::size_t n_cells, const Walls<D>& walls) : walls_(&walls) {
+    ContactSums(std::size_t n_cells, const Walls<D>& walls, const std::vector<Gauge>& gauges = {})
+        : walls_(&walls), gauges_(gauges, walls) {
         cells_.resize(n_cells * D * D);
         tile_cells_.assign(cells_.size(), 0.0);
         walls_sum_.resize(static_cast<std::size_t>(walls.n_walls()) * D);
@@ -31,6 +33,7 @@ public:
             add_to_cells(of_b, state.radius[b], n, r); // both factors change sign
         }
         if (wall) {
+            gauges_.add(b - state.n_held(), state.x[a], n, r);
             const auto w = static_cast<std::size_t>(walls_->feature(b - state.n_held()).wall);
             for (int d = 0; d < D; ++d) {
                 tile_walls_[w * D + static_cast<std::size_t>(d)] -= r[d];
@@ -47,6 +50,7 @@ public:
             return;
         }
         any_ = false;
+        gauges_.end_tile();
         for (std::size_t k = 0; k < cells_.size(); ++k) {
             if (tile_cells_[k] != 0) {
                 cells_[k].add(tile_cells_[k]);
@@ -67,7 +71,7 @@ public:
     void end_steps(int n) { n_steps_ += n; }
     std::int64_t n_steps() const { return n_steps_; }
 
-    /// Calls f(ExactSum&) for each sum, in the same order on every rank: to add them up over ranks.
+    /// Calls f(ExactSum&) for each sum but those of gauges, in the same order on every rank: to add them up over ranks.
     template <class F>
     void for_each_sum(F&& f) {
         for (auto& s : cells_) {
@@ -78,6 +82,9 @@ public:
         }
         f(work_);
     }
+
+    /// Summed over intervals of their own.
+    GaugeSums<D>& gauges() { return gauges_; }
 
     /// Sum over steps, grains of the cell and their contacts of r ⊗ (x_i - x_c) [N m s], row-major. Compression
     /// positive.
@@ -97,6 +104,7 @@ public:
     /// Work that walls did on grains over the interval [J].
     double wall_work() const { return work_.value(); }
 
+    /// All but gauges.
     void clear() {
         for_each_sum([](ExactSum& s) { s.clear(); });
         n_steps_ = 0;
@@ -120,6 +128,7 @@ private:
     }
 
     const Walls<D>* walls_;
+    GaugeSums<D> gauges_;
     std::vector<ExactSum> cells_, walls_sum_;
     std::vector<double> tile_cells_, tile_walls_;
     ExactSum work_;

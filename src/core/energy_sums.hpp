@@ -4,18 +4,24 @@
 // says what m (v' − v) is. By tile in the order of grains and candidates, then exactly, so that ranks do not matter.
 
 #include "core/exact_sum.hpp"
+#include "core/smooth_works.hpp"
 #include "core/state.hpp"
 
 namespace nappe {
 
 /// Of the kinetic energy's change, together with the work of walls (ContactSums) [J]: gravity + theta_term − friction −
-/// impact − cohesion.
+/// impact − cohesion − spring − dashpot − damping. The last three are of smooth stages, impact and cohesion of the others.
 struct EnergyBudget {
     double gravity = 0;    ///< by the way grains went: what the potential energy lost
     double theta_term = 0; ///< of that, what did not reach velocities: −(theta − 1/2) h m g·(v' − v)
-    double friction = 0;   ///< lost: −r_t ū_t
+    double friction = 0;   ///< lost: −r_t ū_t; in smooth stages by what slides (smooth_works.hpp)
     double impact = 0;     ///< lost: −r_n ū_n where r_n >= 0
     double cohesion = 0;   ///< lost: −r_n ū_n where r_n < 0
+    double spring = 0;     ///< put into springs, which give it back: what they hold, but for the error of the steps
+    double dashpot = 0;    ///< lost in dashpots
+    double damping = 0;    ///< lost by global damping: h C v̄² and h C* ω̄²
+
+    double lost() const { return friction + impact + cohesion + spring + dashpot + damping; }
 };
 
 /// Summed over steps since the last `clear`. All members are Local.
@@ -46,25 +52,52 @@ public:
         tile_.friction -= r_t * ((n[0] * y - n[1] * x) - rims);
     }
 
+    /// A grain under Cundall's global damping, C [N s/m] and C* [N m s].
+    void add_damping(double c, double c_spin, double radius, const BodyVelocity<D>& u_old, const BodyVelocity<D>& u,
+                     double h) {
+        double v2 = 0, s2 = 0;
+        for (int d = 0; d < D; ++d) {
+            const double mean = 0.5 * (u_old.v[d] + u.v[d]);
+            v2 += mean * mean;
+        }
+        for (int k = 0; k < n_spin<D>; ++k) {
+            const double mean = 0.5 * (u_old.s[k] + u.s[k]) / radius;
+            s2 += mean * mean;
+        }
+        tile_.damping += h * (c * v2 + c_spin * s2);
+    }
+
+    /// A smooth contact of the current tile.
+    void add_smooth(const SmoothWorks& works) {
+        tile_.spring += works.spring;
+        tile_.friction += works.friction;
+        tile_.dashpot += works.dashpot;
+    }
+
     void end_tile() {
         gravity_.add(tile_.gravity);
         theta_term_.add(tile_.theta_term);
         friction_.add(tile_.friction);
         impact_.add(tile_.impact);
         cohesion_.add(tile_.cohesion);
+        spring_.add(tile_.spring);
+        dashpot_.add(tile_.dashpot);
+        damping_.add(tile_.damping);
         tile_ = {};
     }
 
     /// Calls f(ExactSum&) for each sum, in the same order on every rank.
     template <class F>
     void for_each_sum(F&& f) {
-        for (ExactSum* sum : {&gravity_, &theta_term_, &friction_, &impact_, &cohesion_}) {
+        for (ExactSum* sum :
+             {&gravity_, &theta_term_, &friction_, &impact_, &cohesion_, &spring_, &dashpot_, &damping_}) {
             f(*sum);
         }
     }
 
     EnergyBudget budget() const {
-        return {gravity_.value(), theta_term_.value(), friction_.value(), impact_.value(), cohesion_.value()};
+        return {gravity_.value(),  theta_term_.value(), friction_.value(), impact_.value(),
+                cohesion_.value(), spring_.value(),     dashpot_.value(),  damping_.value()};
     }
 
     void clear() {
@@ -73,7 +106,7 @@ public:
 
 private:
     EnergyBudget tile_;
-    ExactSum gravity_, theta_term_, friction_, impact_, cohesion_;
+    ExactSum gravity_, theta_term_, friction_, impact_, cohesion_, spring_, dashpot_, damping_;
 };
 
 } // namespace nappe

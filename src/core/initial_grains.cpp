@@ -1,6 +1,7 @@
 #include "core/initial_grains.hpp"
 
 #include "core/deposit.hpp"
+#include "core/lattice.hpp"
 
 #include <numbers>
 
@@ -10,7 +11,10 @@ std::vector<GrainRow<2>> initial_grains(const Scene<2>& scene) {
     std::vector<GrainRow<2>> rows;
     if (scene.sample) {
         const auto material = static_cast<std::size_t>(scene.sample->material);
-        rows = deposit(*scene.sample, scene.materials[material].density, scene.gravity);
+        const double density = scene.materials[material].density;
+        rows = scene.sample->arrangement == Sample<2>::Arrangement::deposit
+                   ? deposit(*scene.sample, density, scene.gravity)
+                   : lattice(*scene.sample, density);
         for (auto& row : rows) {
             row.material = scene.sample->material;
         }

@@ -57,9 +57,11 @@ struct RadiusLaw {
     double max = 0; ///< [m]
 };
 
-/// Grains deposited inside a profile (core/deposit.hpp).
+/// Grains deposited inside a profile (core/deposit.hpp), or on a lattice (core/lattice.hpp).
 template <int D>
 struct Sample {
+    enum class Arrangement { deposit, square, staggered };
+    Arrangement arrangement = Arrangement::deposit;
     int material = 0;
     RadiusLaw radii;
     std::vector<Vec<D>> profile; ///< closed polygon [m], either orientation, not self-crossing
@@ -145,11 +147,12 @@ inline bool is_smooth(const SolverSettings& settings) {
     return settings.method == SolverSettings::Method::cundall;
 }
 
-/// Ends a preparing stage: both hold at the end of a step.
+/// Ends a preparing stage: both that its contacts have hold at the end of a step.
 struct SettleCriterion {
-    double kinetic = 1e-8;  ///< kinetic energy over (total weight x mean radius)
-    double residual = 1e-4; ///< of the last step, relative to V
-    double at_most = 1000;  ///< [s]; not settled by then: NumericalFailure
+    double kinetic = 1e-8;    ///< kinetic energy over (total weight x mean radius)
+    double residual = 1e-4;   ///< rigid: of the last step, relative to V
+    double unbalanced = 1e-3; ///< smooth: resultant forces over all that act (solver/smooth_energy.hpp)
+    double at_most = 1000;    ///< [s]; not settled by then: NumericalFailure
 };
 
 /// Stages run in order. Those with `until` prepare the sample and come first; loading time is 0 when they end.
@@ -170,6 +173,22 @@ struct Cell {
     std::string name;
     Vec<D> centre = Vec<D>::Zero(); ///< [m]
     double radius = 0;              ///< [m]
+};
+
+/// Pressure gauges side by side: equal bins of a part of a wall, which move with it.
+struct Gauge {
+    std::string name;
+    int wall = 0;            ///< index into Scene::walls
+    double from = 0, to = 0; ///< along the wall from its first point [m]
+    int bins = 1;
+    int every = 0; ///< steps of loading between two rows; 0: as the series
+};
+
+/// A single grain that is looked at.
+struct Probe {
+    std::string name;
+    GlobalId grain = 0;
+    int every = 0; ///< steps of loading between two rows; 0: as the series
 };
 
 /// What is measured on frames (docs/measures.md).
@@ -200,7 +219,9 @@ struct Output {
     int frames_every = 0;       ///< steps of loading; 0: only the first and the last state
     int series_every = 10;      ///< steps of loading between two rows of the series
     std::vector<Cell<D>> cells; ///< sets of grains inside the circle when loading starts; at most 64
-    double front_bin = 0;       ///< width of the bins of the free surface [m]; 0: four mean radii
+    std::vector<Gauge> gauges;
+    std::vector<Probe> probes;
+    double front_bin = 0; ///< width of the bins of the free surface [m]; 0: four mean radii
     MeasureSettings measures;
     std::optional<FaultZone<D>> zone;
 
@@ -292,6 +313,13 @@ template <int D>
 bool couples_by_sweep(const Scene<D>& scene) {
     return std::any_of(scene.stages.begin(), scene.stages.end(),
                        [](const Stage& stage) { return stage.solver.coupling == SolverSettings::Coupling::sweep; });
+}
+
+/// Whether some loading stage is smooth: its budget of energy has springs.
+template <int D>
+bool loads_springs(const Scene<D>& scene) {
+    return std::any_of(scene.stages.begin(), scene.stages.end(),
+                       [](const Stage& stage) { return !stage.until && is_smooth(stage.solver); });
 }
 
 /// The law between two materials, or nullptr if the scene has none.

@@ -26,11 +26,24 @@ void read_end(const TableReader& table, Stage& stage, bool loading_before) {
     SettleCriterion criterion;
     until->read("kinetic", criterion.kinetic, positive("", "kinetic energy over weight times mean radius"));
     until->read("residual", criterion.residual, positive("", "give the residual of the step, relative"));
+    until->read("unbalanced", criterion.unbalanced, positive("", "give the share of forces that is not balanced"));
     until->read("at_most", criterion.at_most, positive("s", "give the time after which settling is given up"));
     stage.until = criterion;
     if (loading_before) {
         table.problem("until", "must come before every stage with a duration",
                       "preparing stages come first; move this one up");
+    }
+}
+
+/// What the stage's contacts do not settle by.
+void refuse_other_rest(const TableReader& stage, bool smooth) {
+    const auto* key = smooth ? "residual" : "unbalanced";
+    const auto until = stage.table("until", "stages.until", "write { kinetic = 1e-8, residual = 1e-4 }");
+    if (until && until->has(key)) {
+        until->problem(
+            key, smooth ? "must be absent with method = \"cundall\"" : "must be absent unless method = \"cundall\"",
+            smooth ? "smooth contacts have no residual: they settle by unbalanced"
+                   : "rigid contacts settle by residual");
     }
 }
 
@@ -74,22 +87,7 @@ void read_zone(const TableReader& output, Scene<2>& scene) {
         return;
     }
     FaultZone<2> zone;
-    std::string name;
-    std::vector<std::string> names;
-    for (const auto& wall : scene.walls) {
-        names.push_back(wall.name);
-    }
-    if (table->read("wall", name, "name the wall that drives the block", Need::required)) {
-        const auto found = std::find(names.begin(), names.end(), name);
-        zone.wall = static_cast<int>(found - names.begin());
-        if (found == names.end()) {
-            const auto meant = nearest(name, names);
-            table->problem(
-                "wall",
-                fmt::format("must name a wall of the scene ({})", names.empty() ? "it has none" : listed(names)),
-                meant ? fmt::format("did you mean {}?", *meant) : "define the wall first");
-        }
-    }
+    read_wall(*table, scene, "name the wall that drives the block", zone.wall);
     table->read("tip", zone.tip, any_real("m", "give the fault tip when loading starts as [x, y]"), Need::required);
     table->read("tolerance", zone.tolerance, {0, 0.5, true, "", "give the share of the wall's speed, 0.1 is usual"});
     scene.output.zone = zone;
@@ -142,6 +140,9 @@ void read_stages(const TableReader& top, Scene<2>& scene) {
             check_solver(*own, stage.solver);
             refuse_idle_keys(*own, stage.solver.tolerance.has_value());
         }
+        if (stage.until) {
+            refuse_other_rest(table, is_smooth(stage.solver));
+        }
         any_tolerance = any_tolerance || stage.solver.tolerance;
         scene.stages.push_back(stage);
     }
@@ -187,6 +188,8 @@ void read_output(const TableReader& top, Scene<2>& scene) {
         series->read("every", scene.output.series_every, {1, "give it in steps"}, Need::required);
     }
     read_cells(*table, scene.output);
+    read_gauges(*table, scene);
+    read_probes(*table, scene);
     table->read("front_bin", scene.output.front_bin, positive("m", "leave it out for four mean radii"));
     read_measures(*table, scene.output.measures);
     read_zone(*table, scene);

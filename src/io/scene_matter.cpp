@@ -1,4 +1,5 @@
 // What a scene is made of: materials, laws, grains, walls.
+#include "io/scene_choice.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_sections.hpp"
 
@@ -310,6 +311,11 @@ void read_sample(const TableReader& top, Scene<2>& scene) {
     }
     Sample<2> sample;
     read_material(*table, scene, sample.material, Need::required);
+    using Arrangement = Sample<2>::Arrangement;
+    read_choice<Arrangement>(
+        *table, "arrangement",
+        {{"deposit", Arrangement::deposit}, {"square", Arrangement::square}, {"staggered", Arrangement::staggered}},
+        sample.arrangement);
     read_radii(*table, sample.radii);
     table->read("profile", sample.profile, any_real("m", "give the corners of the sample in order"), Need::required);
     read_layers(*table, sample.layer_tops);

@@ -1,5 +1,6 @@
 #include "io/scene_rules.hpp"
 
+#include "core/lattice.hpp"
 #include "core/smooth_step.hpp"
 #include "io/scene_geometry.hpp"
 
@@ -99,17 +100,6 @@ void check_smooth_stages(const Scene<2>& scene, Problems& problems) {
                                      "step, or say unsafe = true",
                                      bounds.stable, bounds.contact, h, stage.name));
         }
-        if (stage.until) {
-            problems.add(
-                fmt::format("stages.{}.until", stage.name),
-                "must be absent with method = \"cundall\": there is no residual to settle by; prepare the sample "
-                "with nsgs, or give the stage a duration");
-        }
-    }
-    if (scene.output.measures.energy) {
-        problems.add("output.measures.energy",
-                     "must be absent where a stage has method = \"cundall\", found true: what "
-                     "springs hold is not in the budget; remove it");
     }
 }
 
@@ -217,6 +207,12 @@ bool check_profile(const Scene<2>& scene, Problems& problems) {
                                        "everywhere (area {} m²); widen it or use smaller grains",
                                        sample.radii.max, std::abs(signed_area(profile))));
         return false;
+    }
+    if (sample.arrangement != Sample<2>::Arrangement::deposit) {
+        if (const auto fault = lattice_fault(sample); !fault.key.empty()) {
+            problems.add("sample." + fault.key, fault.text);
+            return false;
+        }
     }
     return true;
 }

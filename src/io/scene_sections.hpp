@@ -22,6 +22,11 @@ void read_tiles(const TableReader& top, Scene<2>& scene);
 void read_balance(const TableReader& top, Scene<2>& scene);
 void read_watch(const TableReader& top, Scene<2>& scene); // io/scene_watch.cpp
 void read_output(const TableReader& top, Scene<2>& scene);
+void read_gauges(const TableReader& output, Scene<2>& scene); // io/scene_sensors.cpp
+void read_probes(const TableReader& output, Scene<2>& scene);
+
+/// The key `wall` of a table as an index of scene.walls; false, and a problem added, if it names none.
+bool read_wall(const TableReader& table, const Scene<2>& scene, std::string_view remedy, int& wall);
 
 /// The element's name; a problem if an earlier element has it too, "" and a problem if it is none. `kind` for the message: "wall". Local.
 std::string read_name(const TableReader& element, const std::vector<std::string>& taken, std::string_view kind);

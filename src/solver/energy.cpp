@@ -14,6 +14,11 @@ void Simulation<D>::collect_energy(double h) {
         for (LocalId i = tile.grains_begin; i < tile.grains_end; ++i) {
             energy_.add_grain(state_.mass[i], state_.u_old[i], state_.u[i], scene_.gravity, h, settings().theta);
         }
+        if (smooth()) {
+            collect_springs(t, h);
+            energy_.end_tile();
+            continue;
+        }
         contacts_.for_each(t, [&](LocalId a, LocalId b, const Vec<D>& n, double r_n, double r_t) {
             energy_.add_contact(state_.u_old[a], state_.u[a], state_.u_old[b], state_.u[b], n, r_n, r_t);
         });

@@ -22,7 +22,8 @@ Simulation<D>::Simulation(const Communicator& comm, const Scene<D>& scene, const
     : comm_(comm), scene_(scene), walls_(scene.walls),
       domain_(comm, TileGrid<D>(Vec<D>::Zero(), scene.tiles.side_for(largest_radius(scene))), scene.balance),
       contacts_(scene, kernels), solver_(comm, watch_, scene.balance.by == BalanceSettings::By::time),
-      sums_(scene.output.cells.size(), walls_), r_max_(largest_radius(scene)), r_min_(smallest_radius(scene)) {
+      sums_(scene.output.cells.size(), walls_, scene.output.gauges), r_max_(largest_radius(scene)),
+      r_min_(smallest_radius(scene)) {
     skin_ = scene.tiles.skin_for(r_max_);
     state_.carries = features_of(scene);
     state_.large_above = nappe::large_above(scene);

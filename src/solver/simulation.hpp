@@ -155,6 +155,7 @@ private:
     void note_start(); // undo.cpp
     void keep_impulses() const;
     void secure_start();
+    void put_springs_back();
     void change_substep(double h);
     bool substep(const Solve& solve);
     void begin_substep();
@@ -167,6 +168,11 @@ private:
     void press(double h); // smooth.cpp
     void damp(double h);
     void find_damping(double h);
+    void note_springs(); // smooth_energy.cpp
+    template <class F>
+    std::size_t for_each_smooth(std::size_t tile, double h, const double* before, F&& f) const;
+    void collect_springs(std::size_t tile, double h);
+    SpringEnergy spring_growth(double h) const;
     void note_gain(double h); // correction.cpp
     void correct_positions(double h, int sweeps);
     void move_apart(double h);
@@ -277,7 +283,9 @@ private:
     };
     std::vector<Damping> damping_; ///< empty unless contacts are smooth
     double damping_h_ = 0;
-    std::vector<double> gains_; ///< mechanical energy of each tile's grains, since the last correction [J]
+    std::vector<double> springs_before_; ///< for a budget of smooth contacts: s h of the step before, of all that act
+    std::size_t next_spring_ = 0;        ///< of the tile whose turn it is
+    std::vector<double> gains_;          ///< mechanical energy of each tile's grains, since the last correction [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;

@@ -44,6 +44,9 @@ void Simulation<D>::damp(double h) {
 template <int D>
 void Simulation<D>::press(double h) {
     const auto lap = watch_.lap(Timed::sweep);
+    if (energy_wanted_) {
+        note_springs();
+    }
     solver_.press(contacts_, domain_.halo(), state_.u_old, state_.u, h);
     for (LocalId i = 0; i < state_.n_held(); ++i) {
         const Damping& damping = damping_[static_cast<std::size_t>(i)];

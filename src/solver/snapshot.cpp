@@ -149,6 +149,7 @@ Snapshot<D> Simulation<D>::snapshot_with(const CandidateSet<D>& candidates, Cont
     }
     const auto keep = [&](ExactSum& sum) { s.sums.insert(s.sums.end(), sum.limbs().begin(), sum.limbs().end()); };
     sums.for_each_sum(keep);
+    sums.gauges().for_each_sum(keep);
     energy.for_each_sum(keep);
     comm_.sum(s.sums);
     if (couples_by_sweep(scene_)) {
@@ -196,6 +197,7 @@ void Simulation<D>::resume(const Snapshot<D>& from) {
 template <int D>
 void Simulation<D>::take_sums(const Snapshot<D>& from) {
     sums_.clear();
+    sums_.gauges().for_each_sum([](ExactSum& sum) { sum.clear(); });
     energy_.clear();
     energy_wanted_ = from.clock.energy_wanted != 0;
     sums_.end_steps(static_cast<int>(from.clock.summed_steps));
@@ -209,6 +211,7 @@ void Simulation<D>::take_sums(const Snapshot<D>& from) {
         }
     };
     sums_.for_each_sum(fill);
+    sums_.gauges().for_each_sum(fill);
     energy_.for_each_sum(fill);
 }
 

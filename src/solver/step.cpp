@@ -62,10 +62,15 @@ bool Simulation<D>::substep(const Solve& asked) {
         if ((agreed_ & flag::outran_list) != 0) {
             ++counters_.redone_lists;
             secure_start();
+            if (smooth() && done_ == 0) { // springs are no guess, and are stretched once
+                put_springs_back();
+            }
             widen_margins(h);
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
             renew_lists();
             find_bonds();
+            undo_.kept = undo_.kept && !smooth();
+            undo_.packed = undo_.packed && !smooth();
         } else {
             ++counters_.redone_packs;
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());

@@ -93,7 +93,10 @@ void Simulation<D>::put_back(const StepStart<D>& start) {
     some_fast_ = start.some_fast;
     if (start.records) { // lists were renewed since: rows are others, perhaps on other ranks
         const double attraction = state_.attraction;
-        domain_.distribute(*start.records, contact_rows(), walls_.n_bodies(), state_, memory_);
+        const bool springs = smooth() && undo_.snapshot;
+        impulse_h_ = springs ? undo_.clock.impulse_h : impulse_h_;
+        domain_.distribute(*start.records, springs ? undo_.snapshot->impulses : contact_rows(), walls_.n_bodies(),
+                           state_, memory_);
         state_.attraction = attraction;
         candidates_ = {};
         memory_is_set_ = true;
@@ -114,7 +117,8 @@ void Simulation<D>::put_back(const StepStart<D>& start) {
     }
 }
 
-/// Back to the start of the step, for another try: impulses are what was found until now, 0 if something was not finite.
+/// Back to the start of the step, for another try: impulses are what was found until now, 0 if something was not finite; of
+/// smooth contacts, what the step began with.
 template <int D>
 void Simulation<D>::go_back() {
     if (predicted_ && (agreed_ & flag::not_finite) != 0) {
@@ -122,6 +126,9 @@ void Simulation<D>::go_back() {
         std::fill(candidates_.r_n.begin(), candidates_.r_n.end(), 0.0);
         std::fill(candidates_.r_t.begin(), candidates_.r_t.end(), std::array<double, D - 1>{});
         contacts_.forget();
+    }
+    if (predicted_ && smooth() && !(start_.held && start_.records)) { // springs are no guess: those of the start
+        put_springs_back();
     }
     if (start_.held) {
         start_.held = false;

@@ -27,6 +27,18 @@ void Simulation<D>::keep_impulses() const {
     undo_.r_t = candidates_.r_t;
 }
 
+/// Springs as the step in hand found them. Pre: lists as they were then, or since they were renewed.
+template <int D>
+void Simulation<D>::put_springs_back() {
+    candidates(); // those of the start are kept now, or still there
+    if (undo_.kept) {
+        candidates_.r_n = undo_.r_n;
+        candidates_.r_t = undo_.r_t;
+    }
+    contacts_.forget();
+    impulse_h_ = undo_.clock.impulse_h;
+}
+
 /// **Collective.** Before lists are renewed within the step.
 template <int D>
 void Simulation<D>::secure_start() {
@@ -86,12 +98,7 @@ bool Simulation<D>::undo_step() {
         return true; // it had not begun
     }
     go_back();
-    candidates(); // those of the start are kept now, or still there
-    if (undo_.kept) {
-        candidates_.r_n = undo_.r_n;
-        candidates_.r_t = undo_.r_t;
-    }
-    contacts_.forget();
+    put_springs_back();
     walls_.v = undo_.wall_v;
     set_clock(undo_.clock);
     counters_.relaxations = undo_.relaxations;
@@ -101,6 +108,7 @@ bool Simulation<D>::undo_step() {
 
 template void Simulation<2>::note_start();
 template void Simulation<2>::keep_impulses() const;
+template void Simulation<2>::put_springs_back();
 template void Simulation<2>::secure_start();
 template bool Simulation<2>::undo_step();
 

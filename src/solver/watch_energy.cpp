@@ -1,7 +1,8 @@
 // Whether energy grew without work. What the grains of all ranks gained in a (sub)step, kinetic and potential, is exactly
 // the work of walls less what contacts took (docs/measures.md, "Energy"); with too few sweeps, or a step too long, contacts
 // may give instead of take. Looked at over all grains, since what one contact gives another one takes. Corrected positions
-// are left out: they are paid for by what contacts took (correction.cpp).
+// are left out: they are paid for by what contacts took (correction.cpp). What springs of smooth contacts hold counts with
+// the grains' energies.
 
 #include "solver/simulation.hpp"
 
@@ -35,9 +36,6 @@ void sum_together(const Communicator& comm, const std::array<ExactSum*, n>& sums
 /// at their start, the work of walls, and the weight of all grains times their mean radius.
 template <int D>
 double Simulation<D>::energy_growth(double h, int n, const StepStart<D>* start) {
-    if (smooth()) {
-        return 0; // springs hold energy that is not looked at; steps too long for them are refused beforehand
-    }
     ExactSum work;
     const auto moves = [](const auto& v) { return v.squaredNorm() > 0; };
     if (std::any_of(walls_.v.begin(), walls_.v.end(), moves) ||
@@ -55,7 +53,15 @@ double Simulation<D>::energy_growth(double h, int n, const StepStart<D>* start) 
     sum_together<3>(comm_, {&gauge_.grown, &gauge_.kinetic, &work});
     const double worked = work.value(), weight = total_mass_ * scene_.gravity.norm() * mean_radius_;
     double grown = gauge_.grown.value() - worked;
-    const double scale = watcher_.energy_scale(gauge_.kinetic.value() + (worked < 0 ? -worked : worked) + weight);
+    double scale = watcher_.energy_scale(gauge_.kinetic.value() + (worked < 0 ? -worked : worked) + weight);
+    if (smooth()) { // springs give what they hold: nobody looks at them before they have given more than the limit
+        if (!(grown > scene_.watch.energy.limit * scale)) {
+            return 0;
+        }
+        const auto [held, gained] = spring_growth(h);
+        scale += held;
+        grown += gained;
+    }
     if (grown > scene_.watch.energy.limit * scale && contacts_.cohesive()) {
         grown -= work_of_bonds(h, n, start);
     }

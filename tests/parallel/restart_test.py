@@ -107,6 +107,46 @@ class Restarts(SameFiles):
                 self.in_parts(SCENES / "small_rockfall.toml", cuts, (2, 3, 1), *sets(**keys))
                 shutil.rmtree(self.folder / "whole", ignore_errors=True)
 
+    def test_gauges_probes_and_energy(self):
+        # Intervals of their own, which no stop falls on the end of; smooth contacts and rigid ones.
+        keys = sets(
+            output__gauges='[{ name = "slab", wall = "floor", bins = 9, every = 7 }, { name = "push", wall = "piston", to = 5.0 }]',
+            output__probes='[{ name = "one", grain = 100, every = 3 }]',
+            output__measures__energy="true",
+        )
+        whole, _ = self.in_parts(FOLD, (17, 32), (2, 3, 1), *keys)
+        self.assertEqual(list(whole.series("gauge-slab")["step"])[:3], [0, 7, 14])
+        smooth = [*keys, *SMOOTH, *sets(stages__push__duration=0.05, tiles__skin=0.005, tiles__lookahead=1)]
+        shutil.rmtree(self.folder / "whole")
+        whole, _ = self.in_parts(FOLD, (111, 333), (3, 1, 2), *smooth)
+        self.assertGreater(whole.series("energy")["dashpot"][-1], 0)
+
+    def test_prepared_by_springs(self):
+        # Settled and loaded by springs, and settled by springs and loaded by sweeps; the first stop comes while it settles.
+        settle = {
+            "stages__settle__until": "{ kinetic = 1e-7, unbalanced = 3e-3 }",
+            "stages__settle__solver": '{ method = "cundall", h = 2e-4 }',
+            "materials__rock__damping": 3000,
+        }
+        springs = {f"laws__{k}__{key}": value for k in (0, 1) for key, value in (("type", "cundall"), ("k_n", 5e7))}
+        for push in ({"method": '"cundall"', "h": 2e-4}, {"h": 0.025}):
+            with self.subTest(**push):
+                text = ", ".join(f"{key} = {value}" for key, value in push.items())
+                keys = sets(**springs, **settle, stages__push__solver="{ " + text + " }", stages__push__duration=0.1)
+                for name in ("whole", "samples", "other-samples", "out"):
+                    shutil.rmtree(self.folder / name, ignore_errors=True)
+                whole = self.run_scene(FOLD, *keys, ranks=1, out="whole", samples="other-samples")
+                out = self.folder / "out"
+                process = start(["run", FOLD, *keys, "--out", out, "--samples", self.folder / "samples",
+                                 "--checkpoint-every", "100"], 2)  # fmt: skip
+                self.stop(process, out, lambda: self.checkpoints(out))
+                self.assertFalse((out / "series/front.csv").exists(), "it was loading already: the case is none")
+                run = self.restart(out, ranks=3)
+                self.assert_same(whole, run)
+                self.assertEqual(run.summary["settle_steps"], whole.summary["settle_steps"])
+                samples = [[p.read_bytes() for p in (self.folder / name).glob("*.hdf")] for name in ("samples", "other-samples")]
+                self.assertEqual(samples[0], samples[1], "the sample differs")
+
     def test_coupled_once_a_sweep_on_the_same_ranks(self):
         # Here results follow from who owns which tiles; none may move, since when they do, clocks have a say.
         keys = sets(stages__push__solver__coupling="sweep", balance__threshold=1000)

@@ -92,6 +92,22 @@ residual = { steps = 3, do = "stop" }
 bounds = { min = [-1, -2], max = [30, 40], do = "warn" }
 failure = { do = "substep" }
 max_substeps = 16
+[[output.gauges]]
+name = "slab"
+wall = "floor"
+from = 2
+bins = 9
+every = 3
+[[output.gauges]]
+name = "shove"
+wall = "piston"
+[[output.probes]]
+name = "one"
+grain = 12345678901
+every = 7
+[[output.probes]]
+name = "two"
+grain = 0
 )";
 
 } // namespace nappe::test

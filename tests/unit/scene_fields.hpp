@@ -42,8 +42,8 @@ inline std::string fields(const Scene<2>& scene) {
     }
     if (scene.sample) {
         const auto& s = *scene.sample;
-        text += fmt::format("sample {} {} {:a} {:a} {} profile", s.material, static_cast<int>(s.radii.kind),
-                            s.radii.min, s.radii.max, s.seed);
+        text += fmt::format("sample {} {} {} {:a} {:a} {} profile", static_cast<int>(s.arrangement), s.material,
+                            static_cast<int>(s.radii.kind), s.radii.min, s.radii.max, s.seed);
         for (const auto& p : s.profile) {
             text += shown(p);
         }
@@ -70,7 +70,8 @@ inline std::string fields(const Scene<2>& scene) {
     for (const auto& s : scene.stages) {
         text += fmt::format("stage {} {:a} {}", s.name, s.duration, shown(s.solver));
         if (s.until) {
-            text += fmt::format(" until {:a} {:a} {:a}", s.until->kinetic, s.until->residual, s.until->at_most);
+            text += fmt::format(" until {:a} {:a} {:a} {:a}", s.until->kinetic, s.until->residual, s.until->unbalanced,
+                                s.until->at_most);
         }
         text += "\n";
     }
@@ -83,6 +84,12 @@ inline std::string fields(const Scene<2>& scene) {
     }
     for (const auto& c : o.cells) {
         text += fmt::format(" cell {} {} {:a}", c.name, shown(c.centre), c.radius);
+    }
+    for (const auto& g : o.gauges) {
+        text += fmt::format(" gauge {} {} {:a} {:a} {} {}", g.name, g.wall, g.from, g.to, g.bins, g.every);
+    }
+    for (const auto& p : o.probes) {
+        text += fmt::format(" probe {} {} {}", p.name, p.grain, p.every);
     }
     const auto& w = scene.watch;
     text += fmt::format(" watch {:a} {} {:a} {} {} {} {} {}", w.overlap.limit, static_cast<int>(w.overlap.then),

@@ -65,9 +65,16 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
     auto settling = base;
     settling.h = 0.01;
     settling.sweeps = 300;
-    expected.stages = {{"settle", SettleCriterion{1e-7, 1e-3, 50}, 0, settling}, {"push", std::nullopt, 10, base}};
-    expected.output = {
-        40, 5, {{"W1", {4.5, 3}, 2}, {"W2", {10.5, 2}, 1.5}}, 1.5, {true, 2, 4, true}, {{1, {7.5, 0.5}, 0.2}}};
+    expected.stages = {{"settle", SettleCriterion{1e-7, 1e-3, 1e-3, 50}, 0, settling},
+                       {"push", std::nullopt, 10, base}};
+    expected.output = {40,
+                       5,
+                       {{"W1", {4.5, 3}, 2}, {"W2", {10.5, 2}, 1.5}},
+                       {{"slab", 0, 2, 20, 9, 3}, {"shove", 1, 0, 20, 1, 0}},
+                       {{"one", 12345678901, 7}, {"two", 0, 0}},
+                       1.5,
+                       {true, 2, 4, true},
+                       {{1, {7.5, 0.5}, 0.2}}};
     expected.tiles = {8, 0.05, 4, 1.5};
     expected.balance = {1.1, 100, BalanceSettings::By::time, BalanceSettings::Moves::always};
     using Then = WatchSettings<2>::Then;

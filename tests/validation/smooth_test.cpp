@@ -247,6 +247,75 @@ TEST(Smooth, TheTangentialSpringCarriesADiskThatSticks) {
     EXPECT_NEAR(t_most * w_t, pi / 2, 0.02);
 }
 
+/// A disk that sticks to a floor which is driven along; far away another grain does what steps are done again for.
+class DoneAgain : public testing::Test {
+protected:
+    DoneAgain() : b_(1e3) {
+        Motion<2> along;
+        along.stage = 0;
+        along.velocity = {speed, 0};
+        b_.moving_wall("floor", {{-100, 0}, {100, 0}}, along);
+        b_.grain(r, {0, r - m * g / k}).material("other");
+    }
+
+    /// The spring of what sticks is stretched by the way of the floor under the rim, however often steps were done.
+    void expect_stretched_once(SerialRun& run) {
+        const double h = run.simulation().settings().h / run.simulation().settings().substeps;
+        const auto disk = run.grain(0);
+        const double slip = disk.x[0] + r * disk.rotation[0] - run.simulation().walls().offset[0][0];
+        double s = 0;
+        for (const auto& contact : run.loaded_contacts()) {
+            s = contact.lo == 0 ? contact.r_t[0] / h : s;
+        }
+        // The tangent of a floor below points along -x.
+        EXPECT_NEAR(s, k_s * slip, 1e-9 * k_s * speed / w_t);
+        EXPECT_GT(std::abs(slip), 0.01 * speed / w_t);
+    }
+
+    static constexpr double speed = 0.01, k_s = 1e5;
+    const double w_t = std::sqrt(3 * k_s / m), h = 0.05 / w_t;
+    SceneBuilder b_;
+};
+
+TEST_F(DoneAgain, SpringsAreStretchedOnceWhereListsFallShort) {
+    // A fast grain strikes one at rest, which goes farther in a step than its margin.
+    for (int i = 0; i < 6; ++i) {
+        b_.grain(r, {20 + 2.01 * r * i, 20}, {i == 0 ? 5.0 : 0.0, 0});
+    }
+    b_.stage(smooth_settings(h));
+    auto scene = with_springs(b_, k_s);
+    scene.tiles.skin = 1e-5;
+    scene.tiles.lookahead = 0.1;
+    SerialRun run(scene);
+    int seen = 0;
+    for (int n = 0; n < 60; ++n) {
+        const auto before = run.simulation().counters().redone_lists;
+        run.steps(1);
+        seen += run.simulation().counters().redone_lists > before ? 1 : 0;
+        if (n > 20) {
+            expect_stretched_once(run);
+        }
+    }
+    EXPECT_GT(seen, 3) << "no step was done again: the case is none";
+}
+
+TEST_F(DoneAgain, SpringsAreStretchedOnceWhereStepsAreDivided) {
+    // So fast that tiles allow it in half a step only.
+    b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
+    auto scene = with_springs(b_, k_s);
+    scene.tiles.side = 4;
+    scene.grains[1].velocity = {1.2 * (4 / 4.0 - r) / h, 0};
+    scene.watch.failure = WatchSettings<2>::Then::substep;
+    SerialRun run(scene);
+    for (int n = 0; n < 60; ++n) {
+        run.steps(1);
+        if (n > 20) {
+            expect_stretched_once(run);
+        }
+    }
+    EXPECT_GT(run.simulation().watcher().memory().divided_steps, 30) << "no step was divided: the case is none";
+}
+
 /// Grains that fall on each other between walls, tiles as small as they may be.
 Scene<2> heap() {
     SceneBuilder b(0.3);
