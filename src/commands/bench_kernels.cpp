@@ -145,7 +145,7 @@ void take_turns(const Communicator& comm, std::vector<Contender>& all, std::int6
     }
 }
 
-std::vector<KernelFigures> compare(const std::vector<Contender>& kernels, const Contender& triad) {
+std::vector<KernelFigures> figures_of(const std::vector<Contender>& kernels, const Contender& triad) {
     const auto median = [](const Contender& c) { return quartiles(c.ns).median; };
     const auto fastest = std::min_element(kernels.begin(), kernels.end(),
                                           [&](const auto& p, const auto& q) { return median(p) < median(q); });
@@ -172,7 +172,7 @@ KernelComparison compare_kernels(const Simulation<2>& simulation, const Comparis
     take_turns(comm, all, problem.n_contacts(), effort);
     const auto of_triad = std::move(all.back());
     all.pop_back();
-    result.kernels = compare(all, of_triad);
+    result.kernels = figures_of(all, of_triad);
     result.contacts = comm.sum(problem.n_contacts());
     const auto slots = comm.sum(problem.n_slots());
     result.fill = slots > 0 ? static_cast<double>(result.contacts) / static_cast<double>(slots) : 0.0;

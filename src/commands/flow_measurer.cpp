@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/exact_sum.hpp"
+#include "core/no_value.hpp"
 #include "io/hdf5_writer.hpp"
 #include "io/summary.hpp"
 
@@ -13,8 +14,6 @@
 namespace nappe {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 FlowGrain as_flow_grain(const FrameGrain<2>& row, double strain) {
     const auto& g = row.grain;
@@ -52,7 +51,7 @@ void add_image(const FieldSlab& fields, const Vec<2>& origin, Hdf5Content& conte
     sets.push_back(image("solid_fraction", fields, 1, [&](auto k, double* to) { *to = nodes[k].solid_fraction; }));
     sets.push_back(image("velocity", fields, 3, [&](auto k, double* to) {
         std::copy(nodes[k].v.begin(), nodes[k].v.end(), to);
-        to[2] = std::isnan(to[0]) ? unknown : 0.0;
+        to[2] = std::isnan(to[0]) ? no_value : 0.0;
     }));
     sets.push_back(image("gradient", fields, 4, [&](auto k, double* to) {
         std::copy(nodes[k].gradient.begin(), nodes[k].gradient.end(), to);

@@ -25,7 +25,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::string text_of(const std::vector<Vec<2>>& points) {
+std::string line_of(const std::vector<Vec<2>>& points) {
     std::string text;
     for (const auto& p : points) {
         text += fmt::format(" [{}, {}]", p[0], p[1]);
@@ -142,7 +142,7 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
         const auto& s = *scene.sample;
         text += fmt::format("sample {} radii {} {} {} seed {} layers {} profile{}\n", s.material,
                             static_cast<int>(s.radii.kind), s.radii.min, s.radii.max, s.seed,
-                            fmt::join(s.layer_tops, " "), text_of(s.profile));
+                            fmt::join(s.layer_tops, " "), line_of(s.profile));
         if (s.arrangement != Sample<2>::Arrangement::deposit) {
             text += s.arrangement == Sample<2>::Arrangement::square ? "square lattice\n" : "staggered lattice\n";
         }
@@ -155,7 +155,7 @@ SampleOrigin sample_origin(const Scene<2>& scene, int n_ranks) {
                             g.velocity[0], g.velocity[1], g.spin[0], g.layer);
     }
     for (const auto& w : scene.walls) {
-        text += fmt::format("wall {}{}", w.material, text_of(w.points));
+        text += fmt::format("wall {}{}", w.material, line_of(w.points));
         text += "\n";
     }
     for (const auto& stage : scene.stages) {

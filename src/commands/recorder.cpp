@@ -2,6 +2,7 @@
 
 #include "core/contact_geometry.hpp"
 #include "core/error.hpp"
+#include "core/no_value.hpp"
 #include "core/stress.hpp"
 #include "io/atomic_file.hpp"
 #include "solver/smooth_energy.hpp"
@@ -137,12 +138,11 @@ void Recorder::write_row(std::int64_t step, double time) {
         largest_residual_ = std::max(largest_residual_, of_last->largest);
     }
     if (comm.is_root()) {
-        constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
         const auto& residual = simulation_.last_residual();
         const auto& counters = simulation_.counters();
         series_.front->append(step, time, std::array{front + simulation_.scene().origin[0]});
         series_.solver->append(step, time,
-                               std::array{residual ? residual->largest : unknown, residual ? residual->rms : unknown,
+                               std::array{residual ? residual->largest : no_value, residual ? residual->rms : no_value,
                                           static_cast<double>(simulation_.last_sweeps()), overlaps_.mean,
                                           overlaps_.largest, static_cast<double>(overlaps_.contacts),
                                           static_cast<double>(overlaps_.candidates),

@@ -1,6 +1,7 @@
 #include "commands/trade_figures.hpp"
 
 #include "core/error.hpp"
+#include "core/no_value.hpp"
 #include "io/series_reader.hpp"
 
 #include <fmt/format.h>
@@ -9,13 +10,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <limits>
 
 namespace nappe {
 
 namespace {
-
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// Rows after the start: at step 0 nothing has been computed with the setting yet.
 std::vector<double> after_start(const SeriesTable& table, const std::string& column) {
@@ -38,7 +36,7 @@ double mean_of(const std::vector<double>& values) {
             ++n;
         }
     }
-    return n > 0 ? sum / n : nothing;
+    return n > 0 ? sum / n : no_value;
 }
 
 std::vector<double> numbers(std::vector<double> values) {
@@ -48,18 +46,18 @@ std::vector<double> numbers(std::vector<double> values) {
 
 double largest_of(const std::vector<double>& values) {
     const auto known = numbers(values);
-    return known.empty() ? nothing : *std::max_element(known.begin(), known.end());
+    return known.empty() ? no_value : *std::max_element(known.begin(), known.end());
 }
 
 double least_of(const std::vector<double>& values) {
     const auto known = numbers(values);
-    return known.empty() ? nothing : *std::min_element(known.begin(), known.end());
+    return known.empty() ? no_value : *std::min_element(known.begin(), known.end());
 }
 
 double median_of(const std::vector<double>& values) {
     auto known = numbers(values);
     if (known.empty()) {
-        return nothing;
+        return no_value;
     }
     std::sort(known.begin(), known.end());
     const auto half = known.size() / 2;
@@ -92,7 +90,7 @@ nlohmann::json read_summary(const std::filesystem::path& path) {
 
 double number(const nlohmann::json& json, const char* key) {
     const auto found = json.find(key);
-    return found != json.end() && found->is_number() ? found->get<double>() : nothing;
+    return found != json.end() && found->is_number() ? found->get<double>() : no_value;
 }
 
 void read_costs(const nlohmann::json& summary, TradeFigures& f) {
@@ -115,7 +113,7 @@ void read_weight(const std::filesystem::path& folder, const Scene<2>& scene, dou
                  TradeFigures& f) {
     const double g = scene.gravity.norm();
     if (!(g > 0) || scene.walls.empty()) {
-        f.weight_on_walls = f.weight_on_walls_least = nothing;
+        f.weight_on_walls = f.weight_on_walls_least = no_value;
         return;
     }
     const Vec<2> down = scene.gravity / g;
@@ -146,15 +144,15 @@ void read_energy(const std::filesystem::path& folder, TradeFigures& f) {
     for (const double v : table["error"]) {
         error = std::max(error, std::abs(v));
     }
-    f.energy_closure = work > 0 ? error / work : nothing;
+    f.energy_closure = work > 0 ? error / work : no_value;
 }
 
 void read_solver(const std::filesystem::path& folder, const nlohmann::json& summary, TradeFigures& f) {
     const auto table = read_series(folder / "series" / "solver.csv");
     f.residual = number(summary, "residual");
     f.residual_largest = largest_of(after_start(table, "residual"));
-    f.overlap_mean_start = table.n_rows() > 0 ? table["overlap_mean"].front() : nothing;
-    f.overlap_max_start = table.n_rows() > 0 ? table["overlap_max"].front() : nothing;
+    f.overlap_mean_start = table.n_rows() > 0 ? table["overlap_mean"].front() : no_value;
+    f.overlap_max_start = table.n_rows() > 0 ? table["overlap_max"].front() : no_value;
     f.overlap_mean = number(summary, "overlap_mean");
     f.overlap_max = number(summary, "overlap_max");
     f.overlap_mean_of_rows = mean_of(after_start(table, "overlap_mean"));

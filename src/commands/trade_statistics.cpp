@@ -1,20 +1,18 @@
 #include "commands/trade_statistics.hpp"
 
 #include "core/error.hpp"
+#include "core/no_value.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 
 namespace nappe {
 
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-double mean_of(const std::vector<double>& values) {
+double plain_mean(const std::vector<double>& values) {
     double sum = 0;
     for (const double v : values) {
         sum += v;
@@ -24,7 +22,7 @@ double mean_of(const std::vector<double>& values) {
 
 /// Of a sample: with n - 1.
 double deviation_of(const std::vector<double>& values) {
-    const double mean = mean_of(values);
+    const double mean = plain_mean(values);
     double sum = 0;
     for (const double v : values) {
         sum += (v - mean) * (v - mean);
@@ -50,13 +48,13 @@ Comparison compare(std::span<const double> setting, std::span<const double> refe
             differences.push_back(setting[s] - reference[s]);
         }
     }
-    Comparison c{ours.size(), nothing, nothing, nothing, nothing, nothing, nothing, nothing, Verdict::absent};
+    Comparison c{ours.size(), no_value, no_value, no_value, no_value, no_value, no_value, no_value, Verdict::absent};
     if (c.n == 0) {
         return c;
     }
-    c.mean = mean_of(ours);
-    c.reference = mean_of(theirs);
-    c.difference = mean_of(differences);
+    c.mean = plain_mean(ours);
+    c.reference = plain_mean(theirs);
+    c.difference = plain_mean(differences);
     c.verdict = Verdict::unknown;
     if (c.n == 1) {
         return c;
@@ -64,7 +62,7 @@ Comparison compare(std::span<const double> setting, std::span<const double> refe
     c.standard_error = deviation_of(differences) / std::sqrt(static_cast<double>(c.n));
     c.scatter = deviation_of(theirs);
     const double unit = std::max(c.scatter, resolution);
-    const auto in_units = [&](double value) { return value == 0 ? 0.0 : unit > 0 ? value / unit : nothing; };
+    const auto in_units = [&](double value) { return value == 0 ? 0.0 : unit > 0 ? value / unit : no_value; };
     c.over_scatter = in_units(c.difference);
     c.error_over_scatter = in_units(c.standard_error);
     c.verdict =
@@ -89,7 +87,7 @@ double root_mean_square(std::span<const double> values) {
             ++n;
         }
     }
-    return n > 0 ? std::sqrt(sum / n) : nothing;
+    return n > 0 ? std::sqrt(sum / n) : no_value;
 }
 
 std::vector<bool> pareto_front(std::span<const TradePoint> points) {

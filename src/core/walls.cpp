@@ -1,17 +1,10 @@
 #include "core/walls.hpp"
 
+#include "core/polygon.hpp"
+
 #include <cmath>
 
 namespace nappe {
-
-namespace {
-
-/// z-component of the cross product: positive where `b` lies to the left of `a`.
-double cross(const Vec<2>& a, const Vec<2>& b) {
-    return a[0] * b[1] - a[1] * b[0];
-}
-
-} // namespace
 
 template <int D>
 Walls<D>::Walls(const std::vector<Wall<D>>& walls) {

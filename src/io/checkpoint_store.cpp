@@ -20,7 +20,7 @@ namespace nappe {
 namespace {
 
 template <int D, class Visit>
-void visit_grain_fields(Visit visit) {
+void visit_kept_fields(Visit visit) {
     visit("/grains/id", 1, [](auto& g) { return &g.id; });
     visit("/grains/position", D, [](auto& g) { return g.x.data(); });
     visit("/grains/reference", D, [](auto& g) { return g.x_ref.data(); });
@@ -131,7 +131,7 @@ Checkpoint<D> read_checkpoint(const Communicator& comm, SlabReader& reader, cons
     const auto count = blocks.count(comm.rank());
     reader.expect_rows(manifest);
     snapshot.grains.resize(static_cast<std::size_t>(count));
-    visit_grain_fields<D>(filling(reader, first, snapshot.grains));
+    visit_kept_fields<D>(filling(reader, first, snapshot.grains));
     snapshot.impulses = reader.read_contacts<D>(first, count, comm.rank() == comm.size() - 1);
     snapshot.walls = read_whole<SnapshotWall<D>>(comm, reader, "/walls", "/walls/margin",
                                                  [](auto visit) { visit_wall_fields<D>(visit); });
@@ -203,7 +203,7 @@ void store_checkpoint(const Communicator& comm, const std::filesystem::path& fol
     const RowRange contact_range = row_range(comm, contacts.size());
 
     Hdf5Content content;
-    visit_grain_fields<D>(adding_to(content, grain_range, grains));
+    visit_kept_fields<D>(adding_to(content, grain_range, grains));
     visit_contact_fields<D>(adding_to(content, contact_range, contacts));
     add_offsets(comm, grain_range, contact_range, contacts, content);
     const auto walls = on_root_only(comm, snapshot.walls);

@@ -10,7 +10,7 @@ namespace nappe {
 namespace {
 
 /// MPI-IO counts bytes in an int.
-constexpr std::size_t piece_bytes = std::size_t{1} << 28;
+constexpr std::size_t most_bytes_at_once = std::size_t{1} << 28;
 
 /// Sizes along each dimension, and which of them counts rows: the first, but the second of an image (hdf5_content.hpp).
 struct Extent {
@@ -46,7 +46,7 @@ template <class Io>
 void for_each_piece(const Hdf5Handle& file_space, const Extent& extent, std::size_t row_bytes, std::int64_t first,
                     std::int64_t rows, Io io) {
     const auto n_dimensions = static_cast<int>(extent.size.size());
-    const auto per_piece = std::max<std::int64_t>(1, static_cast<std::int64_t>(piece_bytes / row_bytes));
+    const auto per_piece = std::max<std::int64_t>(1, static_cast<std::int64_t>(most_bytes_at_once / row_bytes));
     for (hsize_t layer = 0; layer < extent.layers(); ++layer) {
         const auto before = static_cast<std::int64_t>(layer) * rows;
         for (std::int64_t at = 0; at < rows; at += per_piece) {

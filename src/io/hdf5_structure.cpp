@@ -110,7 +110,7 @@ off_t longest(const Hdf5Content& content) {
     return static_cast<off_t>(bytes);
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, std::string_view what, int error_number) {
+[[noreturn]] void fail_to_make(const std::filesystem::path& path, std::string_view what, int error_number) {
     throw SystemError(fmt::format("{}: {}: {}", path.string(), what, remedy_for_writing(error_number)));
 }
 
@@ -134,13 +134,13 @@ void create_with_room(const std::filesystem::path& path, off_t length) {
     const int reserved = ::posix_fallocate(file.get(), 0, length);
     // File systems that can not reserve say so with these; there the checks after writing must do.
     if (reserved != 0 && reserved != EOPNOTSUPP && reserved != EINVAL) {
-        fail(path, fmt::format("no room for {:.1f} MB", static_cast<double>(length) / 1e6), reserved);
+        fail_to_make(path, fmt::format("no room for {:.1f} MB", static_cast<double>(length) / 1e6), reserved);
     }
     if (const int failure = write_all(file, empty_file())) {
-        fail(path, "writing fails", failure);
+        fail_to_make(path, "writing fails", failure);
     }
     if (const int failure = file.close()) {
-        fail(path, "closing fails", failure);
+        fail_to_make(path, "closing fails", failure);
     }
 }
 

@@ -24,7 +24,7 @@ bool are_numbers(const List& list) {
 }
 
 template <class List>
-std::string shown(const List& list) {
+std::string listed(const List& list) {
     std::string text;
     for (const double a : list) {
         text += fmt::format("{}{}", text.empty() ? "" : ", ", a);
@@ -37,7 +37,7 @@ using Named = std::pair<const char*, std::span<const double>>;
 std::string broken_numbers(std::initializer_list<Named> fields) {
     for (const auto& [name, values] : fields) {
         if (!are_numbers(values)) {
-            return fmt::format("its {} must be finite numbers, found {}", name, shown(values));
+            return fmt::format("its {} must be finite numbers, found {}", name, listed(values));
         }
     }
     return {};
@@ -58,7 +58,7 @@ std::string broken_in_any(const Row& g, const RowLimits& limits) {
     }
     const Vec<D> x(g.x.data());
     if (limits.tile_side > 0 && !TileGrid<D>(Vec<D>::Zero(), limits.tile_side).in_range(x)) {
-        return fmt::format("its position must lie in the world, found {}", shown(g.x));
+        return fmt::format("its position must lie in the world, found {}", listed(g.x));
     }
     return {};
 }
@@ -82,7 +82,7 @@ std::string broken_rule_of(const SnapshotGrain<D>& g, const RowLimits& limits) {
         return broken;
     }
     if (!TileGrid<D>(Vec<D>::Zero(), limits.tile_side).in_range(Vec<D>(g.x_ref.data()))) {
-        return fmt::format("its position at the last rebuild must lie in the world, found {}", shown(g.x_ref));
+        return fmt::format("its position at the last rebuild must lie in the world, found {}", listed(g.x_ref));
     }
     return broken_in_any<D>(g, limits);
 }
@@ -193,7 +193,7 @@ std::string broken_rule(std::span<const ContactRow<D>> contacts, GlobalId first,
                                before.second);
         }
         if (!std::isfinite(c.r_n) || !are_numbers(c.r_t)) {
-            return fmt::format("{}: its impulses must be finite numbers, found {} and {}", name, c.r_n, shown(c.r_t));
+            return fmt::format("{}: its impulses must be finite numbers, found {} and {}", name, c.r_n, listed(c.r_t));
         }
         before = {c.lo, c.hi};
     }

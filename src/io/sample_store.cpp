@@ -14,7 +14,7 @@ namespace {
 
 /// Every field of a grain (stored_rows.hpp, visit_contact_fields).
 template <int D, class Visit>
-void visit_grain_fields(Visit visit) {
+void visit_sampled_fields(Visit visit) {
     visit("/grains/id", 1, [](auto& g) { return &g.id; });
     visit("/grains/position", D, [](auto& g) { return g.x.data(); });
     visit("/grains/velocity", D, [](auto& g) { return g.v.data(); });
@@ -56,7 +56,7 @@ StoredSample<D> read_sample(const Communicator& comm, SlabReader& reader, const 
     sample.n_contacts = manifest.n_contacts;
     sample.notes = manifest.notes;
     sample.grains.resize(static_cast<std::size_t>(count));
-    visit_grain_fields<D>(filling(reader, first, sample.grains));
+    visit_sampled_fields<D>(filling(reader, first, sample.grains));
     sample.contacts = reader.read_contacts<D>(first, count, comm.rank() == comm.size() - 1);
     for (const auto& broken :
          {broken_rule<D>(std::span(std::as_const(sample.grains)), first, limits),
@@ -89,7 +89,7 @@ void store_sample(const Communicator& comm, const std::filesystem::path& folder,
     const RowRange contact_range = row_range(comm, contacts.size());
 
     Hdf5Content content;
-    visit_grain_fields<D>(adding_to(content, grain_range, grains));
+    visit_sampled_fields<D>(adding_to(content, grain_range, grains));
     visit_contact_fields<D>(adding_to(content, contact_range, contacts));
     add_offsets(comm, grain_range, contact_range, contacts, content);
     add_origin(comm, origin, content);

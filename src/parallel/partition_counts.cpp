@@ -26,7 +26,7 @@ SharedGrains find_shared(const State<D>& state, const TileGrid<D>& grid, const C
                          const TileDirectory& directory) {
     double range_max = 0;
     for (std::size_t i = 0; i < state.radius.size(); ++i) {
-        range_max = std::max(range_max, state.reach(i));
+        range_max = std::max(range_max, state.reach(static_cast<LocalId>(i)));
     }
     SharedGrains shared;
     shared.begin.assign(static_cast<std::size_t>(state.n_held()) + 1, 0);
@@ -35,7 +35,7 @@ SharedGrains find_shared(const State<D>& state, const TileGrid<D>& grid, const C
         const auto owner = directory.owner(tile.key);
         Holders<D> holders(grid, directory, owner);
         for (auto i = static_cast<std::size_t>(tile.grains_begin); i < static_cast<std::size_t>(tile.grains_end); ++i) {
-            holders.find(tile.key, state.x_ref[i], state.reach(i) + range_max, others);
+            holders.find(tile.key, state.x_ref[i], state.reach(static_cast<LocalId>(i)) + range_max, others);
             if (!others.empty()) {
                 shared.holders.push_back(owner);
                 shared.holders.insert(shared.holders.end(), others.begin(), others.end());

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace nappe::test {
+namespace nappe::test::stack_test {
 namespace {
 
 constexpr double h = 5e-3;
@@ -96,4 +96,4 @@ TEST(Radii, SmallOnLarge) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::stack_test

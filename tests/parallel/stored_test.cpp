@@ -19,7 +19,7 @@
 #include <limits>
 #include <memory>
 
-namespace nappe {
+namespace nappe::stored_test {
 namespace {
 
 using fuzz::Table;
@@ -326,4 +326,4 @@ TEST(Stored, AttributeOfSeveralTextsIsRefused) {
 }
 
 } // namespace
-} // namespace nappe
+} // namespace nappe::stored_test

@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-namespace nappe {
+namespace nappe::fault_zone_test {
 namespace {
 
 const Vec<2> drive(0.3, 0.2);
@@ -247,4 +247,4 @@ TEST(Trishear, WithoutDataOrDriveThereIsNoFit) {
 }
 
 } // namespace
-} // namespace nappe
+} // namespace nappe::fault_zone_test

@@ -12,7 +12,7 @@
 #include <map>
 #include <set>
 
-namespace nappe {
+namespace nappe::fields_test {
 namespace {
 
 using test::SceneBuilder;
@@ -279,4 +279,4 @@ TEST(Fields, VariantsOfTheKernelAreNamed) {
 }
 
 } // namespace
-} // namespace nappe
+} // namespace nappe::fields_test

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace nappe {
+namespace nappe::smooth_step_test {
 namespace {
 
 using test::SceneBuilder;
@@ -94,4 +94,4 @@ TEST(SmoothStep, WarnsOfWhatIsNotUnstable) {
 }
 
 } // namespace
-} // namespace nappe
+} // namespace nappe::smooth_step_test

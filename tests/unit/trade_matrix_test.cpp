@@ -16,7 +16,7 @@
 #include <algorithm>
 #include <fstream>
 
-namespace nappe {
+namespace nappe::trade_matrix_test {
 namespace {
 
 const std::string source_dir = NAPPE_SOURCE_DIR;
@@ -234,4 +234,4 @@ TEST(TradeMatrix, DocumentationListsItsKeys) {
 }
 
 } // namespace
-} // namespace nappe
+} // namespace nappe::trade_matrix_test

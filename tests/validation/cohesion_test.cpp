@@ -9,7 +9,7 @@
 #include <map>
 #include <random>
 
-namespace nappe::test {
+namespace nappe::test::cohesion_test {
 namespace {
 
 constexpr double r = 0.5, g = standard_gravity, h = 1e-3;
@@ -312,4 +312,4 @@ TEST(Cohesion, SamplesArePreparedWithoutIt) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::cohesion_test

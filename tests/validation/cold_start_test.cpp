@@ -16,7 +16,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace nappe::test {
+namespace nappe::test::cold_start_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -82,4 +82,4 @@ TEST(ColdStart, ColumnCreepsAsADamper) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::cold_start_test

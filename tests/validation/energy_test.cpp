@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace nappe::test {
+namespace nappe::test::energy_test {
 namespace {
 
 /// A run whose energy is counted from its start.
@@ -192,4 +192,4 @@ TEST(Energy, IsNotCountedUnlessAsked) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::energy_test

@@ -7,7 +7,7 @@
 
 #include <numbers>
 
-namespace nappe::test {
+namespace nappe::test::fault_plate_test {
 namespace {
 
 constexpr double r_min = 0.13, r_max = 0.26, speed = 0.325, angle = std::numbers::pi / 6;
@@ -96,4 +96,4 @@ TEST(FaultPlate, AGrainAtTheEdgeIsNotCaught) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::fault_plate_test

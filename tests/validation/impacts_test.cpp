@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace nappe::test {
+namespace nappe::test::impacts_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -155,4 +155,4 @@ TEST(Impact, InelasticSticks) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::impacts_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace nappe::test {
+namespace nappe::test::laws_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -101,4 +101,4 @@ INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::Values("portable", "avx2", "avx5
                          [](const auto& kernel) { return std::string(kernel.param); });
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::laws_test

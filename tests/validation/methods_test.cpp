@@ -9,7 +9,7 @@
 #include <cmath>
 #include <random>
 
-namespace nappe::test {
+namespace nappe::test::methods_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -181,4 +181,4 @@ TEST(RoundedSum, DoesNotDependOnOrder) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::methods_test

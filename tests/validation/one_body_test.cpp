@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace nappe::test {
+namespace nappe::test::one_body_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -151,4 +151,4 @@ TEST(OneBody, RollsOrSlidesDownASlope) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::one_body_test

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace nappe::test {
+namespace nappe::test::pile_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -185,4 +185,4 @@ TEST(Pile, AtRestEveryGrainIsInBalance) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::pile_test

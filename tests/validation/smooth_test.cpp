@@ -11,7 +11,7 @@
 #include <numbers>
 #include <string>
 
-namespace nappe::test {
+namespace nappe::test::smooth_test {
 namespace {
 
 constexpr double g = standard_gravity, pi = std::numbers::pi;
@@ -350,4 +350,4 @@ TEST(Smooth, TheSameOnAnyNumberOfRanksAndInstructionSets) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::smooth_test

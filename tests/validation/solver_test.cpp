@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace nappe::test {
+namespace nappe::test::solver_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -167,4 +167,4 @@ TEST(Stages, KeepForcesWhenHChanges) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::solver_test

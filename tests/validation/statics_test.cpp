@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace nappe::test {
+namespace nappe::test::statics_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -96,4 +96,4 @@ TEST(Statics, WedgedDiskWithFriction) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::statics_test

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <map>
 
-namespace nappe::test {
+namespace nappe::test::tile_order_test {
 namespace {
 
 /// Tiles of a ragged patch and of a far island; those with x = 3 are shared with other ranks if `shared`.
@@ -118,4 +118,4 @@ TEST(TileOrder, ManySweepsAtATimeAreOneAfterTheOther) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::tile_order_test

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace nappe::test {
+namespace nappe::test::trading_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -340,4 +340,4 @@ TEST(WarmStart, ColdStepsDoNotLearn) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::trading_test

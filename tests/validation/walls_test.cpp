@@ -8,7 +8,7 @@
 #include <cmath>
 #include <optional>
 
-namespace nappe::test {
+namespace nappe::test::walls_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -246,4 +246,4 @@ TEST(MovingWall, PlateStartsWithItsStage) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::walls_test

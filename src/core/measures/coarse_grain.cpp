@@ -1,12 +1,8 @@
 #include "core/measures/coarse_grain.hpp"
 
+#include "core/no_value.hpp"
+
 namespace nappe {
-
-namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-} // namespace
 
 CoarseGrain::CoarseGrain(const FieldGrid& grid, const GridRows& rows, double range)
     : grid_(grid), rows_(rows), range_(range), sums_(static_cast<std::size_t>(rows.count * grid.n_x)) {}
@@ -30,7 +26,8 @@ void CoarseGrain::add(const FlowGrain& grain) {
 }
 
 std::vector<FieldNode> CoarseGrain::fields() const {
-    std::vector<FieldNode> nodes(sums_.size(), {0, {unknown, unknown}, {unknown, unknown, unknown, unknown}, unknown});
+    std::vector<FieldNode> nodes(sums_.size(),
+                                 {0, {no_value, no_value}, {no_value, no_value, no_value, no_value}, no_value});
     for (std::size_t k = 0; k < nodes.size(); ++k) {
         const auto& s = sums_[k];
         auto& node = nodes[k];
@@ -67,7 +64,7 @@ std::vector<double> coarse_strain(const FieldGrid& grid, const GridRows& rows, d
     }
     std::vector<double> mean(sums.size());
     std::transform(sums.begin(), sums.end(), mean.begin(),
-                   [](const Sums& s) { return s.area >= least_solid_fraction ? s.strain / s.rho : unknown; });
+                   [](const Sums& s) { return s.area >= least_solid_fraction ? s.strain / s.rho : no_value; });
     return mean;
 }
 

@@ -1,16 +1,15 @@
 #include "core/measures/line_fit.hpp"
 
+#include "core/no_value.hpp"
+
 #include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace nappe {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Coefficients of a polynomial of (at - middle) / scale, or nothing if the points do not determine it.
 template <int Terms>
@@ -68,7 +67,7 @@ double median_slope(std::span<const FitPoint> points) {
 
 double median(std::vector<double> values) {
     if (values.empty()) {
-        return unknown;
+        return no_value;
     }
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -78,7 +77,7 @@ double median(std::vector<double> values) {
 LineFit fit_line(std::span<const FitPoint> points) {
     const auto line = fit<2>(points);
     if (!line.found) {
-        return {unknown, unknown, unknown, points.size()};
+        return {no_value, no_value, no_value, points.size()};
     }
     const double slope = line.c[1] / line.scale;
     return {line.c[0] - slope * line.middle, slope, line.residual, points.size()};
@@ -107,7 +106,7 @@ LineFit fit_line_robustly(std::span<const FitPoint> points, double least_deviati
 
 double fit_curvature(std::span<const FitPoint> points) {
     const auto parabola = fit<3>(points);
-    return parabola.found ? 2 * parabola.c[2] / (parabola.scale * parabola.scale) : unknown;
+    return parabola.found ? 2 * parabola.c[2] / (parabola.scale * parabola.scale) : no_value;
 }
 
 } // namespace nappe

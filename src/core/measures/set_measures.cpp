@@ -1,5 +1,6 @@
 #include "core/measures/set_measures.hpp"
 
+#include "core/no_value.hpp"
 #include "core/stress.hpp"
 
 #include <cmath>
@@ -9,10 +10,8 @@ namespace nappe {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
 double ratio(double a, double b) {
-    return b > 0 ? a / b : unknown;
+    return b > 0 ? a / b : no_value;
 }
 
 /// Of the axis of the larger principal value to x, in (-pi/2, pi/2]; NaN if both are equal [rad].
@@ -20,7 +19,7 @@ double principal_angle(const Eigen::Matrix2d& t) {
     const double difference = t(0, 0) - t(1, 1);
     const double shear = t(0, 1) + t(1, 0);
     if (difference == 0 && shear == 0) {
-        return unknown;
+        return no_value;
     }
     const double angle = 0.5 * std::atan2(shear, difference);
     return angle > -0.5 * std::numbers::pi ? angle : 0.5 * std::numbers::pi; // atan2(-0, -1) is -pi
@@ -120,7 +119,7 @@ Eigen::Matrix2d SetSums<D>::tensor(std::size_t at) const {
 
 template <int D>
 SetFigures SetSums<D>::figures(const SetReference<D>& at_start, double h) const {
-    const double volume = at_start.solid_fraction > 0 ? area() / at_start.solid_fraction : unknown;
+    const double volume = at_start.solid_fraction > 0 ? area() / at_start.solid_fraction : no_value;
     const Eigen::Matrix2d sigma = tensor(0) / (h * volume);
     const Eigen::Matrix2d fabric = tensor(fabric_at);
     const auto stress = principal_stress(sigma);
@@ -144,7 +143,7 @@ SetFigures SetSums<D>::figures(const SetReference<D>& at_start, double h) const 
     f.lambda_x = ratio(now[0], at_start.extent[0]);
     f.lambda_y = ratio(now[1], at_start.extent[1]);
     f.overlap_mean = ratio(sum(overlap_at), sum(share_at));
-    f.overlap_max = n_grains() > 0 ? extremes_.back() : unknown;
+    f.overlap_max = n_grains() > 0 ? extremes_.back() : no_value;
     f.grains = grains;
     return f;
 }

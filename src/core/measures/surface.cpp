@@ -1,6 +1,7 @@
 #include "core/measures/surface.hpp"
 
 #include "core/measures/line_fit.hpp"
+#include "core/no_value.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@ namespace nappe {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Index of the last bin that stands above `level`; -1 if none.
 std::ptrdiff_t last_above(const Surface& surface, double level) {
@@ -66,7 +66,7 @@ void raise_surface(Surface& surface, double x, double top) {
 
 double front_position(const Surface& surface, double bed, double rise) {
     const auto k = last_above(surface, bed + rise);
-    return k >= 0 ? surface.middle(static_cast<std::size_t>(k)) : unknown;
+    return k >= 0 ? surface.middle(static_cast<std::size_t>(k)) : no_value;
 }
 
 double median_height(const Surface& surface, double from) {
@@ -80,7 +80,7 @@ double median_height(const Surface& surface, double from) {
 }
 
 SurfaceShape shape_of(const Surface& surface, double bed, double rise) {
-    SurfaceShape shape{unknown, unknown, unknown, unknown, unknown};
+    SurfaceShape shape{no_value, no_value, no_value, no_value, no_value};
     shape.front = front_position(surface, bed, rise);
     const auto front = last_above(surface, bed + rise);
     const auto crest = last_above(surface, highest(surface) - rise);
@@ -95,7 +95,7 @@ SurfaceShape shape_of(const Surface& surface, double bed, double rise) {
         }
     }
     const auto line = fit_line(between);
-    shape.slope = std::isnan(line.slope) ? unknown : std::atan(-line.slope); // a NaN with a sign is printed with it
+    shape.slope = std::isnan(line.slope) ? no_value : std::atan(-line.slope); // a NaN with a sign is printed with it
     shape.residual = line.residual;
     shape.curvature = fit_curvature(between);
     return shape;
@@ -118,11 +118,11 @@ LayerProfiles layer_profiles(double bin, std::int64_t first_bin, std::int64_t n_
         p.mean[at] += r2 * grain.x[1];
         weight[at] += r2;
     }
-    const auto known = [](double top) { return top == -infinite ? unknown : top; };
+    const auto known = [](double top) { return top == -infinite ? no_value : top; };
     std::transform(p.surface.begin(), p.surface.end(), p.surface.begin(), known);
     std::transform(p.top.begin(), p.top.end(), p.top.begin(), known);
     for (std::size_t at = 0; at < cells; ++at) {
-        p.mean[at] = weight[at] > 0 ? p.mean[at] / weight[at] : unknown;
+        p.mean[at] = weight[at] > 0 ? p.mean[at] / weight[at] : no_value;
     }
     return p;
 }
