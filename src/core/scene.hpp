@@ -26,7 +26,7 @@ struct Material {
 /// A spring and a dashpot, per metre of depth.
 struct SpringDashpot {
     double k = 0; ///< [N/m]
-    /// [N s/m]; none: 2 sqrt(m k) with m = m_a m_b / (m_a + m_b), which stops a head-on pair without a rebound.
+    /// [N s/m]; none: 2 sqrt(m k_n) with m = m_a m_b / (m_a + m_b), which stops a head-on pair without a rebound.
     std::optional<double> c = std::nullopt;
 };
 
@@ -128,7 +128,7 @@ struct SolverSettings {
     bool warm_start = true;                ///< from the impulses of the step before; else from none
     Coupling coupling = Coupling::colour;  ///< nsgs only; `sweep`: the result depends on the number of ranks
     Precision precision = Precision::full; ///< nsgs only
-    bool unsafe = false;                   ///< cundall only: a step beyond what is known to be stable is let pass
+    bool unsafe = false;                   ///< cundall only: steps that may not be stable, and springs too soft to keep grains apart
 };
 
 /// Of a smooth stage, which has none of the keys of a solution. theta = 1: forces are found where a step begins, and

@@ -291,12 +291,12 @@ std::int64_t DiskContacts::place(Range& range, const Step& step, std::int32_t c,
 void DiskContacts::set_springs(std::int64_t batch, int l, int material_a, int material_b) {
     const Springs& given = laws_.springs(material_a, material_b);
     const double m = batches_[static_cast<std::size_t>(batch)].m_eff[l];
-    const auto dashpot = [m](const SpringDashpot& of) { return of.c ? *of.c : 2 * std::sqrt(m * of.k); };
+    const double critical = 2 * std::sqrt(m * given.normal.k);
     SpringBatch& springs = springs_[static_cast<std::size_t>(batch)];
     springs.k_n[l] = given.normal.k;
     springs.k_s[l] = given.tangential.k;
-    springs.c_n[l] = dashpot(given.normal);
-    springs.c_s[l] = dashpot(given.tangential);
+    springs.c_n[l] = given.normal.c.value_or(critical);
+    springs.c_s[l] = given.tangential.c.value_or(critical);
     springs.mu[l] = laws_.friction(material_a, material_b);
 }
 

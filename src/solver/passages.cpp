@@ -19,7 +19,7 @@ std::uint32_t Simulation<D>::look_for_passages(double h, int n) {
     // stage_substeps_ counts the substeps before the last one of the n.
     const bool all = stage_substeps_ / slow_ones * slow_ones > stage_substeps_ - n;
     passage_ = {};
-    if (all || some_fast_) {
+    if ((all || some_fast_) && !settings().unsafe) { // springs may be too soft, and the overlap is told of
         passage_ = find_passage(state_, candidates_, first ? h * (1 - theta) : h, all);
     }
     const Passage of_wall = find_wall_passage(state_, candidates_, walls_, reported_tiles_, h * theta);

@@ -18,6 +18,7 @@ STEPS = 40
 SERIES = ["stress", "lambda", "front", "solver"]
 CURVES_FROM_FRAMES = ["cells", "chains"]
 FAULT = ["profile", "velocity", "trishear", "strain", "budget"]
+IMPACT = ["gauges", "penetration", "impact"]
 COMPARED = ["profile", "velocity", "trishear", "strain", "stress", "lambda", "cells", "zone", "budget"]
 DIP, TIP, SPEED = math.radians(30), (100.0, 0.0), 0.5  # of the fault that is made up: a tip on the floor [m], [m/s]
 
@@ -116,7 +117,8 @@ def check_fields(root, folder, out):
 
     both = folder / "both"
     printed = run(root / "tools/plot", "--compare", out, other, "--labels", "right,wrong", "--out", both, "--dpi", 80)
-    assert printed.splitlines() == [str(both / f"{name}.png") for name in COMPARED], printed
+    drawn = [line for line in printed.splitlines() if "skipped" not in line]
+    assert drawn == [str(both / f"{name}.png") for name in COMPARED], printed
     for name in COMPARED:
         check_picture(both / f"{name}.png", ())
     # A fit that is the flow itself leaves no difference to show; one with twice the angle does, in its row.
@@ -131,6 +133,30 @@ def check_fields(root, folder, out):
     assert "one label per folder" in run(root / "tools/plot", "--compare", out, other, "--labels", "a", code=2)
     printed = run(root / "tools/plot", "--compare", out, other, "--only", "solver", code=1)
     assert "no picture solver of several runs" in printed, printed
+
+
+def check_impact(root, nappe, folder):
+    """Pictures of two rocks that fall on gauges, and of two such runs."""
+    from nappe_plot import impact, palette
+
+    out = folder / "rocks"
+    gauges = [f'{{ name = "P{k}", wall = "box", from = {1.5 + 0.4 * k}, to = {1.9 + 0.4 * k}, every = 1 }}' for k in range(3)]
+    strip = '{ name = "strip", wall = "box", from = 1.5, to = 2.7, bins = 12, every = 1 }'
+    sensors = ("--set", f"output.gauges=[{', '.join([*gauges, strip])}]")
+    sensors += ("--set", 'output.probes=[{ name = "rock", grain = -2, every = 1 }]')
+    scene = root / "tests/support/scenes/small_rockfall.toml"
+    run(nappe, "run", scene, "--out", out, "--samples", folder / "samples", *sensors)
+    pictures = out / "pictures"
+    printed = run(root / "tools/plot", out, "--only", ",".join(IMPACT), "--times", "0,0.03,0.06", "--dpi", 80).splitlines()
+    assert printed == [str(pictures / f"{name}.png") for name in IMPACT], printed
+    check_picture(pictures / "gauges.png", palette.LINES[:3])  # a line each
+    check_picture(pictures / "penetration.png", palette.LINES[:1])
+    # Grains that bear nothing, and the bars.
+    check_picture(pictures / "impact.png", (to_hex(impact.FORCE(0.0)), palette.LINES[1]))
+    both = folder / "falls"
+    printed = run(root / "tools/plot", "--compare", out, out, "--labels", "a,b", "--only", "gauges,penetration", "--out", both)
+    assert printed.splitlines() == [str(both / f"{name}.png") for name in IMPACT[:2]], printed
+    check_picture(both / "gauges.png", palette.LINES[:3])
 
 
 def main(root, nappe, folder):
@@ -151,7 +177,7 @@ def main(root, nappe, folder):
     drawn = [line for line in printed if "skipped" not in line]
     assert sorted(drawn) == sorted(map(str, expected)), printed
     skipped = [line.split(":")[0] for line in printed if "skipped" in line]
-    assert skipped == FAULT, printed  # the fold has no fault, and was not measured
+    assert skipped == FAULT + IMPACT, printed  # the fold has no fault, was not measured, and nothing falls on it
     bed = palette.BED[0], palette.BED[2], palette.BED[4], palette.ABOVE_BED
     for path in expected:
         check_picture(path, bed if path.stem in layers else ())
@@ -170,6 +196,7 @@ def main(root, nappe, folder):
     assert printed.count("skipped") == len(SERIES), printed
     assert "no run.xdmf" in run(root / "tools/plot", folder, code=1)
     check_fields(root, folder, out)
+    check_impact(root, nappe, folder)
     print("the fold ran, and every picture shows something")
 
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-namespace nappe {
+namespace nappe::drop_test {
 namespace {
 
 /// Disks of radius 1 side by side at y = 0, spread over the ranks; a slope to the right of them.
@@ -105,4 +105,4 @@ TEST(Drop, IsRefusedWhereThereIsNothingBelowOrNoRoom) {
 }
 
 } // namespace
-} // namespace nappe
+} // namespace nappe::drop_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace nappe::test {
+namespace nappe::test::gauges_test {
 namespace {
 
 constexpr double g = standard_gravity, r = 0.25;
@@ -126,4 +126,4 @@ TEST_F(Gauges, EndsBelongToTheLastBins) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::gauges_test

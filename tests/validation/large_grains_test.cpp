@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace nappe::test {
+namespace nappe::test::large_grains_test {
 namespace {
 
 constexpr double g = standard_gravity;
@@ -155,4 +155,4 @@ TEST(LargeGrains, AreMovedByTheContactsThatAreReported) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::large_grains_test

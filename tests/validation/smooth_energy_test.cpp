@@ -11,7 +11,7 @@
 #include <limits>
 #include <numbers>
 
-namespace nappe::test {
+namespace nappe::test::smooth_energy_test {
 namespace {
 
 constexpr double g = standard_gravity, pi = std::numbers::pi;
@@ -245,4 +245,4 @@ TEST_F(SmoothEnergy, UnbalancedForceOfOneDisk) {
 }
 
 } // namespace
-} // namespace nappe::test
+} // namespace nappe::test::smooth_energy_test

@@ -87,6 +87,39 @@ TEST(Smooth, CriticalDashpotsAreTheDefaultAndStopAPair) {
     EXPECT_NEAR(overlap, v0 * t * std::exp(-w * t), 0.01 * v0 * t * std::exp(-w * t));
 }
 
+TEST(Smooth, SpringsTooSoftToKeepGrainsApartAreRefusedUnlessUnsafe) {
+    // Head on at a speed whose energy springs of this stiffness take up in two radii and more: m_eff v² > k (2 r)².
+    const double v0 = 3 * r * std::sqrt(2 * k / m), h = 0.01 * r / v0;
+    for (const bool unsafe : {false, true}) {
+        SceneBuilder b;
+        auto settings = smooth_settings(h);
+        settings.unsafe = unsafe;
+        b.gravity(0, 0).grain(r, {0, 0}, {v0, 0}).grain(r, {2 * r, 0}).stage(settings);
+        SerialRun run(with_springs(b));
+        if (unsafe) {
+            run.steps(600);
+            EXPECT_GT(run.grain(0).x[0], run.grain(1).x[0]) << "it has gone through";
+            EXPECT_GT(run.simulation().watcher().memory().steps[static_cast<std::size_t>(Watched::overlap)], 0);
+        } else {
+            EXPECT_THROW(run.steps(600), NumericalFailure);
+        }
+    }
+}
+
+TEST(Smooth, TheTangentialDashpotGoesByTheNormalStiffnessUnlessGiven) {
+    // seeds/004: c_S = c_N = 2 sqrt(m k_N). Without a tangential spring it is all that brakes the rim, of a disk pressed
+    // down by its weight, from one step to the next: m dv = -h c_S v.
+    const double w = std::sqrt(k / m), h = 0.01 / w, v0 = 1e-3;
+    SceneBuilder b(1000);
+    b.floor().grain(r, {0, r - m * g / k}, {v0, 0}).stage(smooth_settings(h));
+    for (auto& law : b.scene().laws) {
+        law.springs = Springs{{k}, {0}};
+    }
+    SerialRun run(b.scene());
+    run.steps(1);
+    EXPECT_NEAR((v0 - run.grain(0).v[0]) / v0, h * 2 * w, 1e-9);
+}
+
 /// A disk on a floor, pressed by its weight; `lift` over where it would rest, in shares of the overlap m g / k.
 Scene<2> resting(double h, double lift) {
     SceneBuilder b;

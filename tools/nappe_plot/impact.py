@@ -139,19 +139,19 @@ def draw_impact(run, chosen, out):
     top = max((frame.x[mask, 1] + frame.radius[mask]).max() for frame, mask in zip(frames, small))
     depth = 0.35 * top
     window = grains.Window(*window.x, -1.15 * depth, min(window.y[1], 1.6 * top))
-    largest = max(pressure.max(), 1e-9)
-    figure, axes = layers.stack([window] * len(frames), key_height=0.9)
-    for axis, frame, force in zip(axes, frames, forces):
+    rows = [pressure[np.argmin(abs(time - frame.time))] for frame in frames]
+    largest = max(np.max(rows), 1e-9)
+    figure, axes = layers.stack([window] * len(frames), key_height=1.1)
+    for axis, frame, force, row in zip(axes, frames, forces, rows):
         grains.draw(axis, frame, FORCE(norm(force))[:, :3], window)
         grains.draw_walls(axis, frame)
         left, right = _ends(frame, gauged)
-        row = pressure[np.argmin(abs(time - frame.time))]
         edges = np.linspace(left, right, len(row) + 1)
         axis.bar(edges[:-1], -depth * row / largest, np.diff(edges), align="edge", color=palette.LINES[1], edgecolor="white")
         window.apply(axis)
         axis.set_title(f"{1e3 * frame.time:.0f} ms", loc="left")
     height = figure.get_figheight()
-    bar = figure.add_axes([0.55, 1 - 0.55 / height, 0.4, 0.16 / height])
+    bar = figure.add_axes([0.55, 1 - 0.8 / height, 0.4, 0.16 / height])
     figure.colorbar(ScalarMappable(norm, FORCE), cax=bar, orientation="horizontal", extend="max")
-    bar.set_title(f"normal force on a grain [kN/m]; longest bar {largest:.3g} kN/m", fontsize=13)
+    bar.set_title(f"force on a grain [kN/m]\n(longest bar: {largest:.3g} kN/m)", fontsize=12)
     yield style.save(figure, out / "impact.png", style.DPI_CHAINS)

@@ -27,7 +27,7 @@ class Planned:
 
 def printed_step(job):
     """The step of table 1, which the scene names beside its own."""
-    return re.search(r"# printed: (\S+)", (JOBS / f"rockfall-{job}.toml").read_text())[1]
+    return re.search(r"# printed: ([0-9.e-]+)", (JOBS / f"rockfall-{job}.toml").read_text())[1]
 
 
 def _own_step(job):
