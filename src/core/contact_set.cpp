@@ -26,7 +26,9 @@ void ContactMemory<D>::keep(const State<D>& state, const CandidateSet<D>& candid
     const auto n = static_cast<std::size_t>(candidates.size());
     const auto is_kept = [&](std::size_t c) { return candidates.a[c] < state.n_own && any<D>(candidates.impulse(c)); };
     for (std::size_t c = 0; c < n; ++c) {
-        begin_[static_cast<std::size_t>(candidates.a[c])] += is_kept(c) ? 1 : 0;
+        if (is_kept(c)) { // a large grain's may belong to a ghost
+            ++begin_[static_cast<std::size_t>(candidates.a[c])];
+        }
     }
     std::int32_t sum = 0;
     for (auto& k : begin_) { // to the end of each row's part, from where it is filled backwards
