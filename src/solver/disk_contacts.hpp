@@ -38,11 +38,22 @@ public:
     /// Local. From now on, springs and dashpots instead of rigid contacts; to be followed by `set_kept`.
     void set_smooth(bool smooth) { smooth_ = smooth; }
 
-    /// Local. Cundall's forces of one tile over a step of h (DiskKernels::press). Pre: set_smooth, pack.
-    void press(std::size_t tile, const std::vector<BodyVelocity<2>>& u_old, std::vector<BodyVelocity<2>>& u, double h) {
-        const Range& range = ranges_[tile];
-        kernels_->press(span(range), springs_.data() + range.begin, doubles(u_old), doubles(u), h);
-    }
+    // Smooth contacts (disk_pressing.cpp): lanes hold all pairs that may overlap until surfaces may have come nearer by
+    // `near`, a step is one pass over them, and what it does not store is found again when somebody asks.
+    /// Local. Gives lanes to all pairs nearer than `near` [m], with their springs, and to those nearer than twice that in
+    /// tiles where one had none. Pre: as for `pack`.
+    PackFaults gather_near(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
+                           double near);
+    bool uniform_springs() const { return laws_.uniform_springs; } ///< SmoothStep::uniform
+    bool fresh() const { return fresh_; } ///< lists or springs are new: gather_near has to be called
+    /// Local. Cundall's forces of one tile (DiskKernels::press). @param faults of its contacts with walls are added
+    SmoothTally press(std::size_t tile, const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls,
+                      const SmoothStep& step, PackFaults& faults);
+    /// Local. After all tiles: springs are those of the step's end, or, if it has failed, of its start again.
+    void swap_springs() { tangent_.swap(tangent_after_); }
+    /// Local. What the last step found of one tile, or of all, with the largest overlap, over the smaller radius.
+    double record(std::size_t tile, const State<2>& state, double h);
+    void record_all(const State<2>& state, double h);
 
     /// Local. Prepares the correction of positions after a step of h that ends at velocities u (DiskKernels), and one of
     /// its passes over a tile, which changes velocities w.
@@ -188,6 +199,23 @@ public:
         });
     }
 
+    /// Calls f(a, b, n, impulse) for the contacts of a tile with walls, as for_each_summed would.
+    template <class F>
+    void for_each_wall_pair(std::size_t tile, F&& f) const {
+        const Range& range = ranges_[tile];
+        for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
+            const std::int64_t slot = walls_[static_cast<std::size_t>(w)].slot;
+            if (slot < 0) {
+                continue;
+            }
+            const DiskBatch& batch = batches_[static_cast<std::size_t>(slot / n_lanes)];
+            if (const auto l = static_cast<int>(slot % n_lanes); batch.m_eff[l] > 0) {
+                const auto r = summed(batch, slot / n_lanes, l);
+                f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r.n, r.t[0]);
+            }
+        }
+    }
+
     std::int64_t n_active() const { return n_active_; }
     std::int64_t n_active(std::size_t tile) const { return ranges_[tile].active; }
     std::int64_t n_batches(std::size_t tile) const { return ranges_[tile].n; }
@@ -227,10 +255,12 @@ public:
         f("memory[1]", memory_[1]);
         f("single", single_);
         f("springs", springs_);
+        f("tangent_after", tangent_after_);
     }
 
     /// By one sweep, without bodies.
     std::size_t bytes_swept() const;
+    const DiskKernels& kernels() const { return *kernels_; }
     const char* instruction_set() const { return kernels_->name; }
 
 private:
@@ -276,6 +306,7 @@ private:
         BodyArrays bodies;
     };
 
+    void meet_walls(const Range& range, const Step& step, PackFaults& faults);
     static BodyArrays arrays(const State<2>& state) {
         return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
     }
@@ -341,12 +372,14 @@ private:
     void refresh_bonds(const Range& range, const Step& step);
     void refresh_bond(std::int64_t slot, const Step& step, std::int32_t c);
     bool refresh_tile(std::size_t tile, const Step& step, PackFaults& faults);
+    void pack_all(const Step& step, PackFaults& faults);
     bool pack_tile(std::size_t tile, const Step& step, PackFaults& faults);
     bool missed_in_lanes(const Range& range, const State<2>& state, const Walls<2>& walls, double h) const;
     bool any_wakes(std::size_t tile, const Step& step);
     bool bonded(const Step& step, std::int32_t c) const {
         return cohesive_ && step.candidates.bond[static_cast<std::size_t>(c)] != Bond::none;
     }
+    bool may_rest(double gap, double size, double v_free, double v_old, double look, double near) const;
     Found judge(const Step& step, std::int32_t c, const Vec<2>& n, double gap, double size, double v_free,
                 double v_old) const;
     Found judge_wall(const Step& step, std::int32_t c, PackFaults& faults);
@@ -374,7 +407,9 @@ private:
     std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
     std::vector<SingleBatch> single_;                ///< empty unless swept over in single precision
     std::vector<SpringBatch> springs_;               ///< empty unless smooth_
+    std::vector<TangentBatch> tangent_after_;        ///< likewise, or without friction
     bool smooth_ = false;
+    double near_ = 0; ///< of the last gather_near [m]
     bool keeps_gaps_ = false;
     int kept_ = 1; ///< substeps that normals serve for
     bool cohesive_ = false;
@@ -387,6 +422,7 @@ private:
     bool fresh_ = true;
 
     mutable std::vector<std::int64_t> lane_of_; ///< scratch of for_each_lane
+    std::vector<unsigned char> of_walls_;       ///< of `press`: which batches of a tile have lanes of walls, else 0
     std::vector<GapBatch> gaps_;                ///< of one tile
     std::vector<std::int32_t> last_;  ///< by row: the latest batch that has the grain, counted over all tiles packed
     std::int32_t n_packed_ = 1;       ///< that count before the tile in hand

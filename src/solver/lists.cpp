@@ -83,6 +83,7 @@ void Simulation<D>::relist() {
     costs_.relist(candidates_);
     find_reported_tiles();
     damping_.clear();
+    bounds_ = {};
     ++counters_.rebuilds;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (moved) {

@@ -100,12 +100,16 @@ public:
     const CandidateSet<D>& candidates() const {
         if (impulses_stale_) {
             keep_impulses();
+            settle_records();
             contacts_.store(candidates_);
             impulses_stale_ = false;
         }
         return candidates_;
     }
-    const ContactsOf<D>& contacts() const { return contacts_; }
+    const ContactsOf<D>& contacts() const {
+        settle_records();
+        return contacts_;
+    }
     /// Of bodies, kept by the method and by the correction of positions: what fields.hpp lists under "Iteration" and
     /// "Simulation". Pre: a step.
     std::size_t bytes_of_method() const { return solver_.bytes_of_method(); }
@@ -164,9 +168,27 @@ private:
     bool walls_change_speed() const;
     bool corrects() const { return settings().position_correction > 0; }
     bool smooth() const { return is_smooth(settings()); }
-    void press(double h); // smooth.cpp
-    void damp(double h);
+    /// What the grains of a smooth step did on this rank.
+    struct Moved {
+        double fastest_squared = 0; ///< [m²/s²]
+        double zeros = 0;           ///< NaN if something is not finite
+        SmoothTally met;            ///< deeper: than depth_share() of the smaller radius
+    };
+    bool smooth_substep(const Solve& solve); // smooth.cpp
+    void press(double h, Moved& moved, PackFaults& faults);
+    bool nothing_to_look_for(double h, const Moved& moved);
+    std::uint32_t look_closely(double h, const PackFaults& faults);
+    void step_back();
+    double least_room(double h) const;
+    double near_gap() const;
+    double depth_share() const;
+    GrainArrays grain_arrays();
     void find_damping(double h);
+    void settle_records() const;
+    bool give_up(int attempt) const;
+    void redo_with_lists(double h);
+    void predict_walls(double ahead);
+    void integrate_walls(double h);
     void note_gain(double h); // correction.cpp
     void correct_positions(double h, int sweeps);
     void move_apart(double h);
@@ -225,13 +247,14 @@ private:
     Scene<D> scene_;
     Walls<D> walls_;
     Stopwatch watch_;
-    State<D> state_;
+    mutable State<D> state_; ///< of it, `mid` alone follows when somebody asks for what a smooth step found
     Domain<D> domain_;
     ContactMemory<D> memory_; ///< of the impulses, across rebuilds
     // Between steps impulses stay in the batches; they are put back to their candidates when somebody asks.
     mutable CandidateSet<D> candidates_;
     mutable bool impulses_stale_ = false;
-    ContactsOf<D> contacts_;
+    mutable ContactsOf<D> contacts_;
+    mutable bool records_stale_ = false;
     ContactSolver<D> solver_;
     ContactSums<D> sums_;
     EnergySums<D> energy_;
@@ -277,6 +300,17 @@ private:
     };
     std::vector<Damping> damping_; ///< empty unless contacts are smooth
     double damping_h_ = 0;
+    /// Of smooth steps: what may have happened since somebody looked.
+    struct Bounds {
+        double approached = 0; ///< surfaces, since pairs nearer than `near` got their lanes [m]
+        double near = 0;       ///< [m]
+        double pace = 0;       ///< `approached` of the last step alone [m]
+        double drifted = 0;    ///< any grain, since least_room was found [m]
+        double least_room = 0; ///< of any grain in its margin then [m]
+        bool shallow = false;  ///< nothing is deep enough in anything to go through it
+    };
+    Bounds bounds_;
+    double pressed_h_ = 0;      ///< of the last smooth step [s]
     std::vector<double> gains_; ///< mechanical energy of each tile's grains, since the last correction [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;

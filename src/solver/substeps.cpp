@@ -117,7 +117,7 @@ void Simulation<D>::put_back(const StepStart<D>& start) {
 /// Back to the start of the step, for another try: impulses are what was found until now, 0 if something was not finite.
 template <int D>
 void Simulation<D>::go_back() {
-    if (predicted_ && (agreed_ & flag::not_finite) != 0) {
+    if (predicted_ && !smooth() && (agreed_ & flag::not_finite) != 0) { // smooth ones are those of the start already
         candidates();
         std::fill(candidates_.r_n.begin(), candidates_.r_n.end(), 0.0);
         std::fill(candidates_.r_t.begin(), candidates_.r_t.end(), std::array<double, D - 1>{});

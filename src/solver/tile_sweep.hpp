@@ -7,6 +7,7 @@
 #include "core/stopwatch.hpp"
 #include "parallel/domain.hpp"
 #include "solver/disk_contacts.hpp"
+#include "solver/fused_pass.hpp"
 #include "solver/tile_order.hpp"
 
 #include <algorithm>
@@ -86,6 +87,23 @@ public:
     /// With Halo::by_sweep passes go one by one, and grains that others hold are exchanged once in each.
     template <class Body, class Visit>
     void run(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit&& visit);
+
+    /// **Collective.** One pass that begins and ends a step as well (fused_pass.hpp): open(t), press(t), close(t).
+    template <class Open, class Press, class Close>
+    void pass(Halo<D>& halo, std::vector<BodyVelocity<D>>& u, const Open& open, const Press& press,
+              const Close& close) {
+        if (const bool alone = comm_.size() == 1; alone || !halo.by_sweep()) {
+            fused_pass(order_, alone, watch_, halo, u, open, press, close);
+            return;
+        }
+        for (std::size_t t = 0; t < grains_.size(); ++t) {
+            open(t);
+        }
+        run(1, 1, halo, u, [&](std::size_t t, std::size_t) { press(t); });
+        for (std::size_t t = 0; t < grains_.size(); ++t) {
+            close(t);
+        }
+    }
 
     /// **Collective.** Sum of term(i) over all grains, i the row on the rank that owns it; the same on any number of ranks.
     template <class Term>
