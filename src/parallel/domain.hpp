@@ -71,7 +71,6 @@ public:
     const Communicator& comm() const { return comm_; }
     const TileGrid<D>& grid() const { return grid_; }
     const TileDirectory& directory() const { return directory_; }
-    const LargeGrains<D>& large() const { return large_; }
 
     /// Largest margin tiles allow: two tiles of one colour must not reach the same grain, so 4 (r + margin + attraction)
     /// < S [m].

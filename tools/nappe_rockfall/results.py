@@ -24,10 +24,6 @@ class Result:
         self.energy = tables.read(folder / "series" / "energy.csv")
         self.gauges = {f"P{k}": tables.read(folder / "series" / f"gauge-P{k}.csv") for k in range(1, 6)}
 
-    @property
-    def complete(self):
-        return self.summary is not None and self.summary.get("complete", True) and "failed" not in self.said
-
     def penetration(self):
         """Deepest [m], when [s], and at the end [m]."""
         depth, at = peak(self.probe["time"], self.probe["penetration"])
