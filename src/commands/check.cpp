@@ -1,6 +1,7 @@
 #include "commands/check.hpp"
 
 #include "core/error.hpp"
+#include "core/initial_grains.hpp"
 #include "core/method_names.hpp"
 #include "core/polygon.hpp"
 #include "core/smooth_step.hpp"
@@ -95,9 +96,10 @@ std::string springs_text(const ContactLaw& law) {
 
 std::string stage_text(const Stage& stage) {
     if (stage.until) {
-        return fmt::format("until kinetic {} and residual {}, at most {} s ({} steps)", stage.until->kinetic,
-                           stage.until->residual, stage.until->at_most,
-                           std::llround(stage.until->at_most / stage.solver.h));
+        const bool smooth = is_smooth(stage.solver);
+        return fmt::format("until kinetic {} and {} {}, at most {} s ({} steps)", stage.until->kinetic,
+                           smooth ? "unbalanced" : "residual", smooth ? stage.until->unbalanced : stage.until->residual,
+                           stage.until->at_most, std::llround(stage.until->at_most / stage.solver.h));
     }
     return fmt::format("{} s, {} steps", stage.duration, n_steps(stage));
 }
@@ -113,6 +115,33 @@ std::string wall_text(const Scene<2>& scene, const Wall<2>& wall) {
     text += motion.stage >= 0 ? "stage " + scene.stages[static_cast<std::size_t>(motion.stage)].name
                               : fmt::format("{} s", motion.start);
     return motion.stop ? text + fmt::format(" to {} s", *motion.stop) : text;
+}
+
+/// How often a gauge or a probe has a row. @param every as the scene has it: 0 as the series
+std::string rows_text(const Scene<2>& scene, int every) {
+    const int steps = every > 0 ? every : scene.output.series_every;
+    std::string text = fmt::format("every {} steps", steps);
+    double shown = 0; // seconds of the stage before
+    for (const auto& stage : scene.stages) {
+        if (const double seconds = steps * stage.solver.h; !stage.until && seconds != shown) {
+            text += fmt::format("{}{:.6g} s", shown == 0 ? ", " : " or ", seconds);
+            shown = seconds;
+        }
+    }
+    return text;
+}
+
+void describe_sensors(const Scene<2>& scene, std::back_insert_iterator<std::string> out) {
+    for (const auto& gauge : scene.output.gauges) {
+        fmt::format_to(out, "gauge      {}: {} {} of {:.6g} m along {}, from {:.6g} to {:.6g} m; {}\n", gauge.name,
+                       gauge.bins, gauge.bins == 1 ? "bin" : "bins", (gauge.to - gauge.from) / gauge.bins,
+                       scene.walls[static_cast<std::size_t>(gauge.wall)].name, gauge.from, gauge.to,
+                       rows_text(scene, gauge.every));
+    }
+    for (const auto& probe : scene.output.probes) {
+        fmt::format_to(out, "probe      {}: grain {}{}; {}\n", probe.name, probe.grain,
+                       probe.grain < 0 ? " (-1 is the last)" : "", rows_text(scene, probe.every));
+    }
 }
 
 void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::string> out) {
@@ -143,6 +172,7 @@ void describe_contents(const Scene<2>& scene, std::back_insert_iterator<std::str
     if (!scene.output.cells.empty()) {
         fmt::format_to(out, "cells      {}\n", scene.output.cells.size());
     }
+    describe_sensors(scene, out);
 }
 
 /// Those that take bytes and those that only take time.
@@ -190,10 +220,13 @@ void describe_fields(const Features& features, Out out) {
 
 Estimate estimate(const Scene<2>& scene, const CostModel& cost) {
     Estimate e;
-    if (scene.sample) {
-        e.grains = std::abs(signed_area(scene.sample->profile)) * solid_fraction / mean_grain_area(scene.sample->radii);
+    if (const auto known = known_size(scene)) {
+        e.grains = static_cast<double>(*known);
+    } else {
+        e.grains =
+            std::abs(signed_area(scene.sample->profile)) * solid_fraction / mean_grain_area(scene.sample->radii) +
+            static_cast<double>(scene.grains.size());
     }
-    e.grains += static_cast<double>(scene.grains.size());
     e.contacts = contacts_per_grain * e.grains;
     e.candidates = candidates_per_grain * e.grains;
     const auto features = features_of(scene);
@@ -223,7 +256,7 @@ std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks) {
     describe_fields(features_of(scene), out);
     fmt::format_to(out, "\nestimates, without the stages that settle\n");
     fmt::format_to(out, "grains     {:.0f}{}\n", e.grains,
-                   scene.sample ? fmt::format(" (solid fraction {})", solid_fraction) : "");
+                   known_size(scene) ? "" : fmt::format(" (solid fraction {})", solid_fraction));
     fmt::format_to(out, "contacts   {:.0f} that touch, {:.0f} candidates\n", e.contacts, e.candidates);
     fmt::format_to(out, "memory     {} in all, {} a rank on {}\n", bytes_text(e.memory), bytes_text(e.memory / ranks),
                    ranks);

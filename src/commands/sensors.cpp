@@ -1,6 +1,7 @@
 #include "commands/sensors.hpp"
 
 #include "core/error.hpp"
+#include "core/initial_grains.hpp"
 #include "io/exact_json.hpp"
 
 #include <fmt/format.h>
@@ -165,12 +166,8 @@ void Sensors::write_probe(std::size_t probe, std::int64_t step, double time) {
 void check_probes(const Simulation<2>& simulation, std::int64_t to_come) {
     const auto n = simulation.domain().n_grains() + to_come;
     for (const auto& probe : simulation.scene().output.probes) {
-        if (probe.grain >= n || probe.grain < -n) {
-            throw InputError(fmt::format(
-                "output.probes: the grain of \"{}\" must be less than the number of grains, {}, or count from the "
-                "last, "
-                "found {}; grains of the sample come first, then those of [[grains]], those that are dropped last",
-                probe.name, n, probe.grain));
+        if (const auto fault = probe_fault(probe, n); !fault.empty()) {
+            throw InputError(fmt::format("{}: {}", probe.place, fault));
         }
     }
 }

@@ -3,6 +3,8 @@
 #include "core/deposit.hpp"
 #include "core/lattice.hpp"
 
+#include <fmt/core.h>
+
 #include <numbers>
 
 namespace nappe {
@@ -39,6 +41,27 @@ GrainRow<2> single_grain(const Scene<2>& scene, const SingleGrain<2>& single, Gl
     row.material = single.material;
     row.layer = single.layer;
     return row;
+}
+
+std::optional<std::int64_t> known_size(const Scene<2>& scene) {
+    const auto single = static_cast<std::int64_t>(scene.grains.size());
+    if (!scene.sample) {
+        return single;
+    }
+    if (scene.sample->arrangement == Sample<2>::Arrangement::deposit) {
+        return {};
+    }
+    return single + lattice_size(*scene.sample);
+}
+
+std::string probe_fault(const Probe& probe, std::int64_t n) {
+    if (probe.grain >= -n && probe.grain < n) {
+        return "";
+    }
+    return fmt::format(
+        "must be < {}, the number of grains, and >= -{}, which is the first of them, found {}; grains of "
+        "the sample come first, then those of [[grains]], those that are dropped last; -1 is the last",
+        n, n, probe.grain);
 }
 
 } // namespace nappe

@@ -48,7 +48,33 @@ std::int64_t whole(double length, double each) {
     return static_cast<std::int64_t>(std::floor(length / each + 1e-9));
 }
 
+/// Rows from the foot up; every other one has one grain less if they are staggered.
+struct Layout {
+    std::int64_t rows = 0, columns = 0;
+    double rise = 0; ///< from row to row [m]
+    bool staggered = false;
+
+    std::int64_t in_row(std::int64_t j) const { return staggered && j % 2 == 1 ? columns - 1 : columns; }
+};
+
+Layout layout_of(const Sample<2>& sample) {
+    const Box box = box_of(sample.profile);
+    const double r = sample.radii.max, d = 2 * r;
+    Layout layout;
+    layout.staggered = sample.arrangement == Sample<2>::Arrangement::staggered;
+    layout.rise = layout.staggered ? std::sqrt(3.0) * r : d;
+    layout.columns = whole(box.max[0] - box.min[0], d);
+    const double height = box.max[1] - box.min[1];
+    layout.rows = whole(height, d) < 1 ? 0 : 1 + whole(height - d, layout.rise);
+    return layout;
+}
+
 } // namespace
+
+std::int64_t lattice_size(const Sample<2>& sample) {
+    const Layout layout = layout_of(sample);
+    return layout.rows * layout.columns - (layout.staggered ? layout.rows / 2 : 0);
+}
 
 LatticeFault lattice_fault(const Sample<2>& sample) {
     if (sample.radii.min != sample.radii.max) {
@@ -67,19 +93,17 @@ LatticeFault lattice_fault(const Sample<2>& sample) {
 
 std::vector<GrainRow<2>> lattice(const Sample<2>& sample, double density) {
     const Box box = box_of(sample.profile);
-    const double r = sample.radii.max, d = 2 * r;
-    const bool staggered = sample.arrangement == Sample<2>::Arrangement::staggered;
-    const double rise = staggered ? std::sqrt(3.0) * r : d;
+    const double r = sample.radii.max;
+    const Layout layout = layout_of(sample);
     const double middle = 0.5 * (box.min[0] + box.max[0]);
-    const auto columns = whole(box.max[0] - box.min[0], d);
-    const auto rows = whole(box.max[1] - box.min[1], d) < 1 ? 0 : 1 + whole(box.max[1] - box.min[1] - d, rise);
     std::vector<GrainRow<2>> grains;
-    for (std::int64_t j = 0; j < rows; ++j) {
-        const auto n = staggered && j % 2 == 1 ? columns - 1 : columns;
+    for (std::int64_t j = 0; j < layout.rows; ++j) {
+        const auto n = layout.in_row(j);
         for (std::int64_t i = 0; i < n; ++i) {
             GrainRow<2> row;
             row.id = static_cast<GlobalId>(grains.size());
-            row.x = {middle + (static_cast<double>(2 * i + 1 - n)) * r, box.min[1] + r + static_cast<double>(j) * rise};
+            row.x = {middle + (static_cast<double>(2 * i + 1 - n)) * r,
+                     box.min[1] + r + static_cast<double>(j) * layout.rise};
             row.radius = r;
             row.mass = density * std::numbers::pi * r * r;
             row.material = sample.material;

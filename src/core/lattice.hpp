@@ -4,6 +4,7 @@
 #include "core/rows.hpp"
 #include "core/scene.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,8 @@ LatticeFault lattice_fault(const Sample<2>& sample);
 /// Rows have ids 0 … n-1 from the lowest up, in each from left to right. Velocity, spin and rotation are 0.
 /// Local; + - * / and square roots only. Pre: lattice_fault finds none, density > 0.
 std::vector<GrainRow<2>> lattice(const Sample<2>& sample, double density);
+
+/// Local. How many grains it has. Pre: lattice_fault finds none.
+std::int64_t lattice_size(const Sample<2>& sample);
 
 } // namespace nappe

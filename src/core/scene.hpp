@@ -128,7 +128,7 @@ struct SolverSettings {
     bool warm_start = true;                ///< from the impulses of the step before; else from none
     Coupling coupling = Coupling::colour;  ///< nsgs only; `sweep`: the result depends on the number of ranks
     Precision precision = Precision::full; ///< nsgs only
-    bool unsafe = false;                   ///< cundall only: steps that may not be stable, and springs too soft to keep grains apart
+    bool unsafe = false; ///< cundall only: steps that may not be stable, and springs too soft to keep grains apart
 };
 
 /// Of a smooth stage, which has none of the keys of a solution. theta = 1: forces are found where a step begins, and
@@ -187,8 +187,9 @@ struct Gauge {
 /// A single grain that is looked at.
 struct Probe {
     std::string name;
-    GlobalId grain = 0;
-    int every = 0; ///< steps of loading between two rows; 0: as the series
+    GlobalId grain = 0; ///< < 0: counting from the last, -1
+    int every = 0;      ///< steps of loading between two rows; 0: as the series
+    std::string place;  ///< where the scene names the grain: file, line and key
 };
 
 /// What is measured on frames (docs/measures.md).

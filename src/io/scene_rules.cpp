@@ -1,5 +1,6 @@
 #include "io/scene_rules.hpp"
 
+#include "core/initial_grains.hpp"
 #include "core/lattice.hpp"
 #include "core/smooth_step.hpp"
 #include "io/scene_geometry.hpp"
@@ -344,6 +345,16 @@ void check_coupling(const Scene<2>& scene, Problems& problems) {
     }
 }
 
+/// Those of a deposit are looked for when it is made.
+void check_probed_grains(const Scene<2>& scene, Problems& problems) {
+    const auto n = known_size(scene);
+    for (const auto& probe : scene.output.probes) {
+        if (const auto fault = n ? probe_fault(probe, *n) : ""; !fault.empty()) {
+            problems.add(fmt::format("output.probes.{}.grain", probe.name), fault);
+        }
+    }
+}
+
 } // namespace
 
 void check_rules(const Scene<2>& scene, Problems& problems) {
@@ -365,8 +376,12 @@ void check_rules(const Scene<2>& scene, Problems& problems) {
     if (!problems.empty()) {
         return; // what follows takes sizes and distances for sound
     }
-    if (scene.sample && check_profile(scene, problems)) {
+    const bool sound = !scene.sample || check_profile(scene, problems);
+    if (scene.sample && sound) {
         check_profile_is_free(scene, problems);
+    }
+    if (sound) {
+        check_probed_grains(scene, problems);
     }
     check_single_grains(scene, problems);
 }

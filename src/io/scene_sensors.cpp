@@ -88,6 +88,7 @@ void read_probes(const TableReader& output, Scene<2>& scene) {
              "give the id of the grain: those of the sample come first, then those of [[grains]]; or -1 for the last",
              std::numeric_limits<std::int64_t>::max()},
             Need::required);
+        probe.place = table.place_of("grain");
         table.read("every", probe.every, {1, "give it in steps"});
         scene.output.probes.push_back(probe);
     }

@@ -99,15 +99,22 @@ void Problems::add(const std::string& path, const std::string& text) {
 }
 
 void Problems::add_at(const toml::node& node, const std::string& path, const std::string& text) {
+    keep(line_of(node), fmt::format("{}: {}", place_of(node, path), text));
+}
+
+/// 0: none worth telling, as of a value that came by --set, which has the override for its "file".
+unsigned Problems::line_of(const toml::node& node) const {
     const auto& source = node.source();
-    // A value that came by --set has the override for its "file" and no line worth telling.
+    return (source.path && *source.path != file_) || &node == &root_ ? 0 : source.begin.line;
+}
+
+std::string Problems::place_of(const toml::node& node, const std::string& path) const {
+    const auto& source = node.source();
     if (source.path && *source.path != file_) {
-        keep(0, fmt::format("{}: {}: {}", *source.path, path, text));
-    } else if (source.begin.line == 0 || &node == &root_) {
-        keep(0, fmt::format("{}: {}: {}", file_, path, text));
-    } else {
-        keep(source.begin.line, fmt::format("{}:{}: {}: {}", file_, source.begin.line, path, text));
+        return fmt::format("{}: {}", *source.path, path);
     }
+    const auto line = line_of(node);
+    return line == 0 ? fmt::format("{}: {}", file_, path) : fmt::format("{}:{}: {}", file_, line, path);
 }
 
 void Problems::keep(unsigned line, std::string text) {
@@ -171,6 +178,11 @@ void TableReader::problem(std::string_view key, std::string_view rule, std::stri
     const auto text = message(rule, node != nullptr ? shown(*node) : "nothing", remedy);
     // At the table itself if the key is absent: a path would find a namesake where names are not unique.
     problems_->add_at(node != nullptr ? *node : *table_, join_path(path_, key), text);
+}
+
+std::string TableReader::place_of(std::string_view key) const {
+    const toml::node* node = find(key);
+    return problems_->place_of(node != nullptr ? *node : *table_, join_path(path_, key));
 }
 
 bool TableReader::check_real(const toml::node& node, const std::string& path, double& target,

@@ -31,12 +31,16 @@ public:
     /// At a node; `path` is shown only.
     void add_at(const toml::node& node, const std::string& path, const std::string& text);
 
+    /// "FILE:LINE: PATH" of a node, or where else it comes from.
+    std::string place_of(const toml::node& node, const std::string& path) const;
+
     bool empty() const { return problems_.empty(); }
     /// Throws InputError with one problem a line, in the order of the file.
     void throw_if_any() const;
 
 private:
     void keep(unsigned line, std::string text);
+    unsigned line_of(const toml::node& node) const;
 
     struct Problem {
         unsigned line = 0;
@@ -124,6 +128,8 @@ public:
     const std::string& path() const { return path_; }
     /// "KEY: RULE, found VALUE; REMEDY" at the key (may be dotted, as in between.1), or "found nothing" at the table.
     void problem(std::string_view key, std::string_view rule, std::string_view remedy) const;
+    /// Where the key is, or its table if it is absent: "FILE:LINE: PATH".
+    std::string place_of(std::string_view key) const;
 
 private:
     bool absent(std::string_view key, std::string_view rule, std::string_view remedy, Need need) const;

@@ -109,6 +109,22 @@ class Failures(NappeTest):
         stored = [path for path in self.folder.rglob("*.hdf") if path.parent.name != "checkpoints"]
         self.assertEqual(stored, [], "a sample that is not settled was stored")
 
+    def test_probe_of_a_grain_that_is_not_there_is_code_2(self):
+        # The deposit tells how many there are; nothing is settled before.
+        scene = self.folder / "far.toml"
+        text = FOLD.read_text().replace("[output]\n", '[output]\nprobes = [{ name = "far", grain = 100000 }]\n')
+        scene.write_text(text)
+        line = 1 + [k for k, t in enumerate(text.splitlines()) if "far" in t][0]
+        for ranks in (0, 2):
+            with self.subTest(ranks=ranks):
+                run = self.run_scene(scene, ranks=ranks, out=f"far-{ranks}", code=BAD_INPUT)
+                said = re.search(r"far.toml:(\d+): output.probes.far.grain: must be < (\d+), .* found 100000; (.*)", run.result.err)
+                self.assertIsNotNone(said, run.result.err)
+                self.assertEqual(int(said[1]), line)
+                self.assertGreater(int(said[2]), 100)
+                self.assertIn("[[grains]]", said[3])
+                self.assertNotIn("settled after", run.result.err)
+
     def test_output_folder_that_can_not_be_made_is_code_1(self):
         (self.folder / "file").write_text("not a folder")
         for ranks in (0, 2):

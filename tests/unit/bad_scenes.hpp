@@ -2,6 +2,7 @@
 // Scenes that break one rule each, as an edit of sound_scene or as an override, with the whole message that they must
 // give. A new rule of the reader gets a row here.
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ struct BadScene {
     std::vector<std::string> overrides;
     const char* message;
 };
+
+/// Names in lists of tests, which else are the row's bytes.
+inline void PrintTo(const BadScene& row, std::ostream* out) {
+    *out << row.name;
+}
 
 // clang-format off
 inline const std::vector<BadScene> bad_scenes = {
@@ -68,6 +74,8 @@ inline const std::vector<BadScene> bad_scenes = {
     {"gauge_without_bins", "bins = 9", "bins = 0", {}, "bad.toml:92: output.gauges.slab.bins: must be an integer in [1, 10000], found 0; give the number of bins of equal width"},
     {"probe_without_grain", "grain = 0", "", {}, "bad.toml:101: output.probes.two.grain: is required and must be an integer >= -1000000000, found nothing; give the id of the grain: those of the sample come first, then those of [[grains]]; or -1 for the last"},
     {"probe_name_twice", "name = \"two\"", "name = \"one\"", {}, "bad.toml:102: output.probes.1.name: must be the only probe of that name, found \"one\"; rename one of them"},
+    {"probe_beyond_a_lattice", "", "", {"sample.arrangement=square", "sample.radius={ law = \"constant\", value = 0.5 }", "sample.profile=[[0,0],[20,0],[20,10],[0,10]]"}, "bad.toml:99: output.probes.one.grain: must be < 201, the number of grains, and >= -201, which is the first of them, found 12345678901; grains of the sample come first, then those of [[grains]], those that are dropped last; -1 is the last"},
+    {"probe_beyond_single_grains", "[sample]\nmaterial = \"rock\"\nradius = { law = \"uniform\", min = 0.42, max = 0.56 }\nprofile = [[0, 0], [20, 0], [20, 5], [8, 5], [5, 10], [0, 10]]\nlayers = { count = 3, from = 0, to = 4.5 }\nseed = 7\n", "", {"output.probes.one.grain=-2"}, "--set output.probes.one.grain=-2: output.probes.one.grain: must be < 1, the number of grains, and >= -1, which is the first of them, found -2; grains of the sample come first, then those of [[grains]], those that are dropped last; -1 is the last"},
     {"unsafe_and_rigid", "", "", {"solver.unsafe=true"}, R"(--set solver.unsafe=true: solver.unsafe: must be absent unless method = "cundall", found true; rigid contacts are solved for, no step makes them unstable: remove it)"},
     {"cohesion_in_frictional", "", "", {"laws.0.gamma=1e3"}, R"(--set laws.0.gamma=1e3: laws.0.gamma: must be absent in a frictional law, found 1000.0; write type = "cohesive")"},
     {"gamma_missing", "", "", {"laws.0.type=cohesive", "laws.0.d_w=0.01"}, R"(bad.toml:9: laws.0.gamma: must be given in a cohesive law, or by one of its materials, found nothing; give it, or write type = "frictional")"},

@@ -55,9 +55,36 @@ TEST(check, summary_names_what_the_scene_holds) {
           "rock - rock: frictional, friction 0.4", "push: 3 s, 300 steps", "3 substeps, 60 sweeps", "cells      2",
           "a rank on 4", "frames     9",
           "asks for   friction, mixed friction, restitution, grains that may turn, cells, layers, driven walls\n",
+          "gauge      slab: 9 bins of 2 m along floor, from 2 to 20 m; every 3 steps, 0.03 s\n",
+          "gauge      shove: 1 bin of 20 m along piston, from 0 to 20 m; every 5 steps, 0.05 s\n",
+          "probe      one: grain 12345678901; every 7 steps, 0.07 s\n", "probe      two: grain 0; every 5 steps",
           ": mixed friction\n", "State::cells", "(for: friction)", "not carried\n  CandidateSet::bond"}) {
         EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
     }
+}
+
+TEST(check, says_when_smooth_stages_are_settled_and_how_often_stages_of_other_steps_are_looked_at) {
+    auto scene = square();
+    scene.output.probes[1].grain = -1;
+    scene.stages[0].solver.method = SolverSettings::Method::cundall;
+    auto slower = scene.stages[1];
+    slower.solver.h = 0.02;
+    scene.stages.push_back(slower);
+    const auto text = describe(scene, {}, 1);
+    for (const auto* part :
+         {"until kinetic 1e-07 and unbalanced 0.001, at most 50 s",
+          "probe      two: grain -1 (-1 is the last); every 5 steps, 0.05 s or 0.1 s\n"}) {
+        EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
+    }
+}
+
+TEST(check, grains_of_a_lattice_are_counted) {
+    const auto scene = parse_scene(test::sound_scene, "good.toml",
+                                   {"sample.arrangement=square", "sample.radius={ law = \"constant\", value = 0.5 }",
+                                    "sample.profile=[[0,0],[20,0],[20,10],[0,10]]", "output.probes.one.grain=7"});
+    EXPECT_EQ(estimate(scene, {}).grains, 201);
+    const auto text = describe(scene, {}, 1);
+    EXPECT_NE(text.find("grains     201\n"), std::string::npos) << text;
 }
 
 } // namespace

@@ -78,6 +78,15 @@ TEST(Lattice, WholeDisksFillAWidthThatDecimalsRound) {
     EXPECT_EQ(lattice(sample(Arrangement::square, 0.9, 0.9, 0.5), 1).size(), 0u);
 }
 
+TEST(Lattice, SizeIsKnownBeforeItIsMade) {
+    for (const auto arrangement : {Arrangement::square, Arrangement::staggered}) {
+        for (const double height : {0.4, 0.5, 0.9, 1.0, 1.4, 2.2}) { // none, one row, then odd and even numbers of rows
+            const auto s = sample(arrangement, 3.3, height, 0.25);
+            EXPECT_EQ(lattice_size(s), static_cast<std::int64_t>(lattice(s, 1).size())) << height;
+        }
+    }
+}
+
 TEST(Lattice, LayersGoByCentres) {
     auto s = sample(Arrangement::square, 2, 4, 0.5);
     s.layer_tops = {1, 2.6};

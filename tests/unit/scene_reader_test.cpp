@@ -71,7 +71,7 @@ TEST(scene_reader, every_key_arrives_in_its_field) {
                        5,
                        {{"W1", {4.5, 3}, 2}, {"W2", {10.5, 2}, 1.5}},
                        {{"slab", 0, 2, 20, 9, 3}, {"shove", 1, 0, 20, 1, 0}},
-                       {{"one", 12345678901, 7}, {"two", 0, 0}},
+                       {{"one", 12345678901, 7, ""}, {"two", 0, 0, ""}},
                        1.5,
                        {true, 2, 4, true},
                        {{1, {7.5, 0.5}, 0.2}}};
@@ -168,6 +168,22 @@ TEST(scene_reader, an_override_creates_a_table_that_the_file_leaves_out) {
     text.erase(text.find("[balance]"), text.find("[output]") - text.find("[balance]"));
     EXPECT_EQ(parse_scene(text, "good.toml").balance.every, BalanceSettings{}.every);
     EXPECT_EQ(parse_scene(text, "good.toml", {"balance.every=7"}).balance.every, 7);
+}
+
+TEST(scene_reader, the_last_grain_may_be_probed_and_no_later_one) {
+    const auto probed = [](std::string_view grain) {
+        return parse_scene(sound_scene, "good.toml",
+                           {"sample.arrangement=square", "sample.radius={ law = \"constant\", value = 0.5 }",
+                            "sample.profile=[[0,0],[20,0],[20,10],[0,10]]", // 200 disks
+                            fmt::format("output.probes.one.grain={}", grain)})
+            .output.probes[0];
+    };
+    EXPECT_EQ(probed("200").grain, 200) << "the single grain";
+    EXPECT_EQ(probed("-201").grain, -201);
+    EXPECT_THROW(probed("201"), InputError);
+    EXPECT_THROW(probed("-202"), InputError);
+    EXPECT_EQ(probed("0").place, "--set output.probes.one.grain=0: output.probes.one.grain");
+    EXPECT_EQ(parse_scene(sound_scene, "good.toml").output.probes[0].place, "good.toml:99: output.probes.one.grain");
 }
 
 class BadScenes : public testing::TestWithParam<test::BadScene> {};
