@@ -19,7 +19,7 @@ SERIES = ["stress", "lambda", "front", "solver"]
 CURVES_FROM_FRAMES = ["cells", "chains"]
 FAULT = ["profile", "velocity", "trishear", "strain", "budget"]
 IMPACT = ["gauges", "penetration", "impact"]
-COMPARED = ["profile", "velocity", "trishear", "strain", "stress", "lambda", "cells", "zone", "budget"]
+COMPARED = ["profile", "velocity", "trishear", "strain", "stress", "lambda", "cells", "zone", "budget", "chains"]
 DIP, TIP, SPEED = math.radians(30), (100.0, 0.0), 0.5  # of the fault that is made up: a tip on the floor [m], [m/s]
 
 
@@ -154,9 +154,13 @@ def check_impact(root, nappe, folder):
     # Grains that bear nothing, and the bars.
     check_picture(pictures / "impact.png", (to_hex(impact.FORCE(0.0)), palette.LINES[1]))
     both = folder / "falls"
-    printed = run(root / "tools/plot", "--compare", out, out, "--labels", "a,b", "--only", "gauges,penetration", "--out", both)
-    assert printed.splitlines() == [str(both / f"{name}.png") for name in IMPACT[:2]], printed
+    printed = run(root / "tools/plot", "--compare", out, out, "--labels", "a,b", "--only", "gauges,penetration,chains", "--out", both, "--dpi", 80)
+    assert printed.splitlines() == [str(both / f"{name}.png") for name in (*IMPACT[:2], "chains")], printed
     check_picture(both / "gauges.png", palette.LINES[:3])
+    # A panel each, of the last frame, as the run's own at that time.
+    run(root / "tools/plot", out, "--only", "chains", "--times", "0.06", "--dpi", 80)
+    one, two = (imread(folder / "chains.png") for folder in (pictures, both))
+    assert two.shape[0] > 1.6 * one.shape[0] and two.shape[1] == one.shape[1], (one.shape, two.shape)
 
 
 def main(root, nappe, folder):

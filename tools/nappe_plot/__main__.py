@@ -21,7 +21,7 @@ PICTURES = {
     "lambda": (curves.draw_lambda, "series of cells"),
     "front": (curves.draw_front, "the series front and a wall that moves"),
     "cells": (cells.draw, "cells with grains"),
-    "chains": (chains.draw, "contacts with an impulse in the frames chosen"),
+    "chains": (_views(chains.draw), "contacts with an impulse in the frames chosen"),
     "solver": (solver.draw, "the series solver"),
     "profile": (_views(profile.draw), "fault (output.zone and a wall that moves)"),
     "velocity": (_views(flow.draw_velocity), "fields in measures/ (nappe measure) and a wall that moves"),
@@ -45,6 +45,7 @@ COMPARED = {
     "cells": (compared.draw_cells, "cells that all have"),
     "zone": (compared.draw_zone, "zone in measures/ (nappe measure)"),
     "budget": (budget.draw, "energy budget (output.measures.energy)"),
+    "chains": (chains.draw, "contacts with an impulse in their frames"),
     "gauges": (impact.draw_gauges_compared, "gauges of one bin (output.gauges)"),
     "penetration": (impact.draw_fall_compared, "probes (output.probes)"),
 }

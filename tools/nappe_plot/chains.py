@@ -7,6 +7,7 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 
 from . import grains, layers, style
 from .run import WALL_KEY
+from .views import deformed
 
 INKS = LinearSegmentedColormap.from_list("chains", ["#a9bccb", "#3d6c94", "#0d2340", "#020617"])
 
@@ -28,20 +29,20 @@ def segments(frame, h):
     return ends[order], force[order]
 
 
-def draw(run, chosen, out):
-    """chains.png: the deformed part at the chosen times, all to one scale of force."""
-    chosen = [k for k in chosen if run.frame(k).contacts and (run.frame(k).contacts["r_n"] > 0).any()]
-    if not chosen:
+def draw(views, out):
+    """chains.png: the deformed part of each view, all to one scale of force."""
+    views = [view for view in views if view.frame.contacts and (view.frame.contacts["r_n"] > 0).any()]
+    if not views:
         return
-    frames = [run.frame(k) for k in chosen]
-    lines = [segments(frame, run.h) for frame in frames]
+    lines = [segments(view.frame, view.run.h) for view in views]
     strong = max(np.quantile(force, 0.998) for _, force in lines)
     scale, unit = (1e6, "MN") if strong >= 2e6 else (1e3, "kN")
     norm = Normalize(0, strong / scale, clip=True)
-    windows = grains.deformed(run, frames)
+    windows = deformed(views)
     figure, axes = layers.stack(windows, key_height=0.9)
-    for axis, frame, (ends, force), window in zip(axes, frames, lines, windows):
-        grains.draw(axis, frame, grains.shades(frame, run.n_bed, pale=0.72), window)
+    for axis, view, (ends, force), window in zip(axes, views, lines, windows):
+        frame = view.frame
+        grains.draw(axis, frame, grains.shades(frame, view.run.n_bed, pale=0.72), window)
         grains.draw_walls(axis, frame)
         window.apply(axis)
         # The strongest is as wide as a mean radius: 72 points an inch, and the panel's inches a metre.
@@ -57,7 +58,7 @@ def draw(run, chosen, out):
                 zorder=2,
             )
         )
-        axis.set_title(layers.title_of(run, frame), loc="left")
+        axis.set_title(view.label, loc="left")
     height = figure.get_figheight()
     bar = figure.add_axes([0.62, 1 - 0.55 / height, 0.3, 0.16 / height])
     figure.colorbar(ScalarMappable(norm, INKS), cax=bar, orientation="horizontal", extend="max")

@@ -142,16 +142,19 @@ def draw_impact(run, chosen, out):
     rows = [pressure[np.argmin(abs(time - frame.time))] for frame in frames]
     largest = max(np.max(rows), 1e-9)
     figure, axes = layers.stack([window] * len(frames), key_height=1.1)
-    for axis, frame, force, row in zip(axes, frames, forces, rows):
-        grains.draw(axis, frame, FORCE(norm(force))[:, :3], window)
+    for axis, frame, force, mask, row in zip(axes, frames, forces, small, rows):
+        colours = FORCE(norm(force))[:, :3]
+        grains.draw(axis, frame, colours, window)
+        grains.draw(axis, frame, colours, window, edge=1.0, mask=~mask)  # white on white else
         grains.draw_walls(axis, frame)
         left, right = _ends(frame, gauged)
         edges = np.linspace(left, right, len(row) + 1)
         axis.bar(edges[:-1], -depth * row / largest, np.diff(edges), align="edge", color=palette.LINES[1], edgecolor="white")
         window.apply(axis)
+        axis.locator_params(axis="y", nbins=5)
         axis.set_title(f"{1e3 * frame.time:.0f} ms", loc="left")
     height = figure.get_figheight()
     bar = figure.add_axes([0.55, 1 - 0.8 / height, 0.4, 0.16 / height])
     figure.colorbar(ScalarMappable(norm, FORCE), cax=bar, orientation="horizontal", extend="max")
-    bar.set_title(f"force on a grain [kN/m]\n(longest bar: {largest:.3g} kN/m)", fontsize=12)
+    bar.set_title(f"force on a grain [kN/m]\n(longest bar: {largest:,.0f} kN/m)", fontsize=12)
     yield style.save(figure, out / "impact.png", style.DPI_CHAINS)

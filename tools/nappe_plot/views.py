@@ -67,19 +67,24 @@ def zoomed(views):
     """A window per view, all of one size: around the fault's zone, or what is deformed where there is no fault."""
     faults = [fault.of(view.run) for view in views]
     if None in faults:
-        windows = {}
-        for run in {id(view.run): view.run for view in views}.values():
-            own = [view for view in views if view.run is run]
-            windows |= zip(map(id, own), grains.deformed(run, [view.frame for view in own]))
-        width = max(window.x[1] - window.x[0] for window in windows.values())
-        low, high = (pick(w.y[k] for w in windows.values()) for k, pick in ((0, min), (1, max)))
-        return [_from(windows[id(view)].x[0], width, low, high) for view in views]
+        return deformed(views)
     low = min(one.tip[1] for one in faults)
     high = max(view.frame.x[:, 1].max() for view in views)
     height = high - low
     left = min(one.tip[0] for one in faults) - 1.5 * height
     right = max(one.line(high) for one in faults) + 1.5 * height
     return [grains.Window(left, right, low - 0.06 * height, high + 0.06 * height)] * len(views)
+
+
+def deformed(views):
+    """A window per view, all of one size: what is deformed."""
+    windows = {}
+    for run in {id(view.run): view.run for view in views}.values():
+        own = [view for view in views if view.run is run]
+        windows |= zip(map(id, own), grains.deformed(run, [view.frame for view in own]))
+    width = max(window.x[1] - window.x[0] for window in windows.values())
+    low, high = (pick(w.y[k] for w in windows.values()) for k, pick in ((0, min), (1, max)))
+    return [_from(windows[id(view)].x[0], width, low, high) for view in views]
 
 
 def _from(left, width, low, high):

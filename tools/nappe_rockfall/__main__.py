@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from . import plan, report
+from . import pictures, plan, report
 from .results import Result
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -19,6 +19,7 @@ def parse():
     parser.add_argument("--out", type=Path, default=Path("out/rockfall"), help="a folder a run goes here (out/rockfall)")
     parser.add_argument("--nappe", type=Path, default=ROOT / "build/release/nappe", help="the program")
     parser.add_argument("--only", default="*", help="pattern of the names of runs")
+    parser.add_argument("--page", type=Path, help="put the tables into this page too (docs/rockfall.md)")
     parser.add_argument("--pictures", type=Path, help="where the report's pictures go (OUT/pictures)")
     return parser.parse_args()
 
@@ -50,10 +51,14 @@ def main():
         for one in runs:
             run(one, arguments)
     else:
-        known = [(one, Result(arguments.out / one.name)) for one in runs if (arguments.out / one.name / "said.txt").exists()]
-        for line in report.tables(known):
-            print(line)
-        for path in report.pictures(dict((one.name, result) for one, result in known), arguments.pictures or arguments.out / "pictures"):
+        known = {one.name: Result(arguments.out / one.name) for one in runs if (arguments.out / one.name / "said.txt").exists()}
+        known = {name: result for name, result in known.items() if result.probe is not None}
+        made = report.tables(known)
+        for name, lines in made.items():
+            print(f"{name}:", *lines, sep="\n")
+        if arguments.page:
+            arguments.page.write_text(report.put_into(arguments.page.read_text(), made))
+        for path in pictures.pictures(known, arguments.pictures or arguments.out / "pictures"):
             print(path)
 
 

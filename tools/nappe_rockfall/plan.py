@@ -9,7 +9,9 @@ ROWS = ["1-10", "0.5-10-a", "0.5-10-b", "0.5-10-c", "0.5-2.5-c", "1-2.5-c", "1-1
 LATTICES = ["1-10-c-square", "1-10-c-staggered"]
 RIGID = ["0.5-10-rigid", "1-10-rigid"]
 FRICTIONS = [0.1, 0.3, 0.8]  # the scenes have 0.5
-SEEDS = [2, 3, 4]  # the scenes have 1
+SEEDS = [2, 3, 4, 5]  # the scenes have 1
+SEEDED = ["0.5-10-b", "0.5-10-c", "0.5-2.5-c", "1-2.5-c", "1-10-c", *RIGID]  # other samples of the same
+BOTH = ["0.5-10-c", "1-10-c"]  # that RIGID has without springs
 N_LAWS = 5
 
 
@@ -57,10 +59,32 @@ def planned():
     runs += [Planned(job, job, {}, "rigid") for job in RIGID]
     for job in ("0.5-10-c", "0.5-10-rigid"):
         for mu in FRICTIONS:
-            runs.append(Planned(f"{job}-mu{mu}", job, {f"laws.{k}.friction": mu for k in range(N_LAWS)}, "friction"))
+            keys = {f"laws.{k}.friction": mu for k in range(N_LAWS)}
+            runs.append(Planned(f"{job}-mu{mu}", job, keys, "friction"))
+    for job in SEEDED:
         for seed in SEEDS:
-            runs.append(Planned(f"{job}-seed{seed}", job, {"sample.seed": seed}, "seed"))
-    half = _own_step("0.5-10-c") / 2
-    keys = {"stages.fall.solver.h": half} | _rarer("0.5-10-c", half)
-    runs.append(Planned("0.5-10-c-half-step", "0.5-10-c", keys, "step"))
+            runs.append(Planned(seeded(job, seed), job, {"sample.seed": seed}, "seed"))
+    for job in ("0.5-10-c", "0.5-10-rigid"):
+        half = _own_step(job) / 2
+        keys = {"stages.fall.solver.h": half} | _rarer(job, half)
+        runs.append(Planned(f"{job}-half-step", job, keys, "step"))
+    runs.append(Planned("0.5-10-rigid-400-sweeps", "0.5-10-rigid", {"stages.fall.solver.sweeps": 400}, "step"))
+    solved = {"stages.fall.solver.tolerance": 1e-2, "stages.fall.solver.max_sweeps": 20000}
+    runs.append(Planned("0.5-10-rigid-solved", "0.5-10-rigid", solved, "step"))
+    return runs + undamped()
+
+
+def seeded(job, seed):
+    """Name of the run of another sample."""
+    return f"{job}-seed{seed}"
+
+
+def undamped():
+    """Springs without the C and C* that rigid grains do not have either: of the rock alone, and of all."""
+    rock = {"materials.rock.damping": 0, "materials.rock.spin_damping": 0}
+    soil = {"materials.soil.damping": 0, "materials.soil.spin_damping": 0}
+    runs = []
+    for job in BOTH:
+        runs.append(Planned(f"{job}-free-rock", job, rock, "undamped"))
+        runs.append(Planned(f"{job}-undamped", job, rock | soil, "undamped"))
     return runs
