@@ -75,6 +75,8 @@ TEST(Lattice, WholeDisksFillAWidthThatDecimalsRound) {
     EXPECT_EQ(lattice(sample(Arrangement::square, 3, 0.5, 0.015), 1800).size(), 100u * 16);
     const auto staggered = lattice(sample(Arrangement::staggered, 3, 1, 0.015), 1800); // 38 rows
     EXPECT_EQ(staggered.size(), 19u * 100 + 19 * 99);
+    EXPECT_LT(0.3 / 0.1, 3) << "as numbers go";
+    EXPECT_EQ(lattice(sample(Arrangement::square, 0.3, 0.3, 0.05), 1800).size(), 9u);
     EXPECT_EQ(lattice(sample(Arrangement::square, 0.9, 0.9, 0.5), 1).size(), 0u);
 }
 

@@ -110,19 +110,26 @@ TEST_F(Gauges, NoPeakIsLost) {
     EXPECT_EQ(sums.gauges().impulse(0, 1).normal, 0);
 }
 
-/// A contact that lies on a wall's very end counts to its last bin, one on its first point to its first.
+/// A contact on a wall's first point counts to the first bin, one on its very end to the last, even if the gauge's end falls
+/// short of it by what a sum of lengths is rounded by, one on a joint to the bin of the joint, by the segment before it.
 TEST_F(Gauges, EndsBelongToTheLastBins) {
-    SceneBuilder b(0);
-    b.wall("peg", {{0, 0}, {0.7, 0.1}, {1, 0}}).grain(r, {-0.2, 0.1}, {1, 0}).grain(r, {1.2, 0.1}, {-1, 0});
-    b.gravity(0, 0).stage(solver(0.01, 10));
-    auto scene = b.scene();
-    scene.output.gauges = {{"g", 0, 0, std::hypot(0.7, 0.1) + std::hypot(0.3, 0.1), 3, 0}};
-    WatchedRun run(alone, scene);
-    ASSERT_EQ(run.steps(5), "");
-    auto sums = felt(alone, run.simulation());
-    EXPECT_NE(sums.gauges().impulse(0, 0).tangential, 0);
-    EXPECT_EQ(sums.gauges().impulse(0, 1).tangential, 0);
-    EXPECT_NE(sums.gauges().impulse(0, 2).tangential, 0);
+    const double first = std::hypot(0.7, 0.1), length = first + std::hypot(0.3, 0.1), v0 = 1;
+    for (const double end : {length, length * (1 - 1e-12)}) {
+        SceneBuilder b(0);
+        b.wall("peg", {{0, 0}, {0.7, 0.1}, {1, 0}}).grain(r, {-0.2, 0.1}, {1, 0}).grain(r, {1.2, 0.1}, {-1, 0});
+        b.grain(r, {0.7, 0.1 + r + 0.01}, {0, -v0}); // on the joint, 0.707 m along the wall
+        b.gravity(0, 0).stage(solver(0.01, 10));
+        auto scene = b.scene();
+        scene.output.gauges = {{"g", 0, 0, end, 4, 0}}; // of 0.256 m
+        WatchedRun run(alone, scene);
+        ASSERT_EQ(run.steps(5), "");
+        auto sums = felt(alone, run.simulation());
+        EXPECT_NE(sums.gauges().impulse(0, 0).tangential, 0);
+        EXPECT_EQ(sums.gauges().impulse(0, 1).tangential, 0);
+        EXPECT_NEAR(sums.gauges().impulse(0, 2).normal, m * v0 * 0.7 / first, 1e-9 * m * v0);
+        EXPECT_NEAR(sums.gauges().impulse(0, 2).tangential, -m * v0 * 0.1 / first, 1e-9 * m * v0);
+        EXPECT_NE(sums.gauges().impulse(0, 3).tangential, 0) << end / length - 1;
+    }
 }
 
 } // namespace

@@ -244,5 +244,39 @@ TEST_F(SmoothEnergy, UnbalancedForceOfOneDisk) {
     EXPECT_NEAR(unbalanced_force(rests.simulation()), 1.0 / 3, 1e-9);
 }
 
+/// A disk on another: m g between them holds the upper one, the floor bears as much and would have to bear twice that. Of the
+/// forces, two weights, the pair's on each of the two and the floor's, one in five is not balanced.
+TEST_F(SmoothEnergy, UnbalancedForceOfAPairCountsItsForceOnBoth) {
+    const double d = m * g / k;
+    SceneBuilder b;
+    b.grain(r, {0, r - d}).grain(r, {0, 3 * r - 2 * d}).floor().stage(smooth_settings(1e-4));
+    WatchedRun run(alone, with_springs(b, 0, 0, 0));
+    EXPECT_EQ(run.steps(1), "");
+    EXPECT_NEAR(unbalanced_force(run.simulation()), 0.2, 1e-9);
+}
+
+/// A disk whose weight is borne, and that is held back by a tangential spring, stretched by v h in the first step.
+TEST_F(SmoothEnergy, UnbalancedForceKnowsFriction) {
+    const double h = 1e-4, share = 0.3;
+    SceneBuilder b(0.5);
+    b.grain(r, {0, r - m * g / k}, {share * m * g / (k * h), 0}).floor().stage(smooth_settings(h));
+    WatchedRun run(alone, with_springs(b, k, 0, 0));
+    EXPECT_EQ(run.steps(1), "");
+    EXPECT_NEAR(unbalanced_force(run.simulation()), share / (1 + std::hypot(1, share)), 1e-9);
+}
+
+/// Forces are summed over ranks.
+TEST_F(SmoothEnergy, UnbalancedForceIsTheSameOnAnyNumberOfRanks) {
+    SceneBuilder b(0.4);
+    b.box(12, 4, {RadiusLaw::Kind::uniform, 0.15, 0.25}, 5).stage(smooth_settings(2e-4));
+    b.scene().tiles.side = 1.5;
+    auto& scene = with_springs(b, 0.5 * k, {}, {});
+    WatchedRun run(world, scene), one(alone, scene);
+    ASSERT_EQ(run.steps(50), "");
+    ASSERT_EQ(one.steps(50), "");
+    EXPECT_EQ(unbalanced_force(run.simulation()), unbalanced_force(one.simulation()));
+    EXPECT_GT(unbalanced_force(one.simulation()), 0.01);
+}
+
 } // namespace
 } // namespace nappe::test::smooth_energy_test
