@@ -154,7 +154,7 @@ def check_impact(root, nappe, folder):
     # Grains that bear nothing, and the bars.
     check_picture(pictures / "impact.png", (to_hex(impact.FORCE(0.0)), palette.LINES[1]))
     both = folder / "falls"
-    printed = run(root / "tools/plot", "--compare", out, out, "--labels", "a,b", "--only", "gauges,penetration,chains", "--out", both, "--dpi", 80)
+    printed = run(root / "tools/plot", "--compare", out, out, "--labels", "a,b", "--only", "gauges,penetration,chains", "--until", 0.05, "--out", both, "--dpi", 80)
     assert printed.splitlines() == [str(both / f"{name}.png") for name in (*IMPACT[:2], "chains")], printed
     check_picture(both / "gauges.png", palette.LINES[:3])
     # A panel each, of the last frame, as the run's own at that time.

@@ -75,6 +75,7 @@ def parse():
     parser.add_argument("--times", type=times, help="of the frames to draw [s]: 0,200,350,500; the nearest are taken")
     parser.add_argument("--out", type=Path, help="where the pictures go (DIR/pictures; compared: beside the first DIR)")
     parser.add_argument("--only", type=names, help=f"some of {', '.join(PICTURES)}; compared: {', '.join(COMPARED)}")
+    parser.add_argument("--until", type=float, default=style.UNTIL, help="where curves of gauges and penetration end [s] (at their end)")
     parser.add_argument("--dpi", type=int, help="of the pictures of grains, which are 16 inches wide (300)")
     arguments = parser.parse_args()
     if not arguments.compare and len(arguments.dirs) > 1:
@@ -115,6 +116,7 @@ def _drawn(arguments, known, inputs, of_what):
 def main():
     arguments = parse()
     style.apply()
+    style.UNTIL = arguments.until
     if arguments.dpi:
         style.DPI_GRAINS = style.DPI_CHAINS = arguments.dpi
     try:

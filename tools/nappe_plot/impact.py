@@ -39,7 +39,8 @@ def _strip(run):
 
 def _draw_gauges(axis, run):
     for k, (name, (time, pressure)) in enumerate(_gauges(run).items()):
-        axis.plot(1e3 * time, pressure, color=palette.LINES[k % len(palette.LINES)], linewidth=1.6, label=name)
+        shown = time <= style.UNTIL
+        axis.plot(1e3 * time[shown], pressure[shown], color=palette.LINES[k % len(palette.LINES)], linewidth=1.6, label=name)
     axis.set(xlabel="time since first touch [ms]", ylabel="force per length [kN/m]")
     axis.margins(x=0.01)
 
@@ -78,7 +79,8 @@ def _draw_fall(axis, lines):
     for k, (label, probe) in enumerate(lines):
         colour = palette.LINES[k % len(palette.LINES)]
         style_of = "-" if k < len(palette.LINES) else "--"
-        axis.plot(probe["time"], 100 * probe["penetration"], style_of, color=colour, label=label)
+        shown = probe["time"] <= style.UNTIL
+        axis.plot(probe["time"][shown], 100 * probe["penetration"][shown], style_of, color=colour, label=label)
     axis.invert_yaxis()
     axis.set(xlabel="time since first touch [s]", ylabel="penetration [cm]")
     axis.margins(x=0.01)

@@ -13,6 +13,7 @@ DPI_GRAINS = 300  # the 1000 m fold then has 4.5 pixels a metre, enough to see i
 DPI_CHAINS = 200  # zoomed already
 DPI_FIELDS = 150
 DPI_CURVES = 160
+UNTIL = float("inf")  # s: where curves of a fall end
 
 
 def apply():

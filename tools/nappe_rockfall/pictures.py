@@ -7,6 +7,7 @@ from pathlib import Path
 from PIL import Image
 
 from . import plan
+from .results import UNTIL
 
 TOOLS = Path(__file__).resolve().parents[1]
 CURVES = 1100, 64  # pixels, colours
@@ -42,10 +43,12 @@ def _compare(results, names, only, out, target, *arguments, size=CURVES):
 
 def pictures(results, out):
     out.mkdir(parents=True, exist_ok=True)
-    yield from _compare(results, plan.ROWS, "penetration", out, "rockfall-penetration.png")
-    yield from _compare(results, plan.ROWS, "gauges", out, "rockfall-gauges.png")
-    yield from _compare(results, AMORPHOUS, "penetration", out, "rockfall-arrangements-penetration.png")
-    yield from _compare(results, AMORPHOUS, "gauges", out, "rockfall-arrangements-gauges.png")
+    early = "--until", UNTIL
+    yield from _compare(results, ["1-10"], "penetration", out, "rockfall-penetration-1-10.png")
+    yield from _compare(results, plan.ROWS[1:], "penetration", out, "rockfall-penetration.png")
+    yield from _compare(results, plan.ROWS, "gauges", out, "rockfall-gauges.png", *early)
+    yield from _compare(results, AMORPHOUS, "penetration", out, "rockfall-arrangements-penetration.png", *early)
+    yield from _compare(results, AMORPHOUS, "gauges", out, "rockfall-arrangements-gauges.png", *early)
     chains = "chains", out, "rockfall-chains.png", "--times", PEAK, "--dpi", 140
     yield from _compare(results, AMORPHOUS, *chains, size=GRAINS)
     both = [f"{depth}-10-{kind}" for depth in ("0.5", "1") for kind in ("c", "c-free-rock", "c-undamped", "rigid")]

@@ -10,7 +10,7 @@ LATTICES = ["1-10-c-square", "1-10-c-staggered"]
 RIGID = ["0.5-10-rigid", "1-10-rigid"]
 FRICTIONS = [0.1, 0.3, 0.8]  # the scenes have 0.5
 SEEDS = [2, 3, 4, 5]  # the scenes have 1
-SEEDED = ["0.5-10-b", "0.5-10-c", "0.5-2.5-c", "1-2.5-c", "1-10-c", *RIGID]  # other samples of the same
+SEEDED = ["1-10", "0.5-10-b", "0.5-10-c", "0.5-2.5-c", "1-2.5-c", "1-10-c", *RIGID]  # other samples of the same
 BOTH = ["0.5-10-c", "1-10-c"]  # that RIGID has without springs
 N_LAWS = 5
 
@@ -79,12 +79,13 @@ def seeded(job, seed):
     return f"{job}-seed{seed}"
 
 
+UNDAMPED = ["free-rock", "spins", "free-rock-spins", "undamped"]
+
+
 def undamped():
-    """Springs without the C and C* that rigid grains do not have either: of the rock alone, and of all."""
-    rock = {"materials.rock.damping": 0, "materials.rock.spin_damping": 0}
-    soil = {"materials.soil.damping": 0, "materials.soil.spin_damping": 0}
-    runs = []
-    for job in BOTH:
-        runs.append(Planned(f"{job}-free-rock", job, rock, "undamped"))
-        runs.append(Planned(f"{job}-undamped", job, rock | soil, "undamped"))
-    return runs
+    """Springs without some of the global damping that rigid grains have none of: without C and C* of the rock, without C* of
+    all, without both, without any."""
+    rock, rock_spin = {"materials.rock.damping": 0}, {"materials.rock.spin_damping": 0}
+    soil, soil_spin = {"materials.soil.damping": 0}, {"materials.soil.spin_damping": 0}
+    keys = [rock | rock_spin, rock_spin | soil_spin, rock | rock_spin | soil_spin, rock | rock_spin | soil | soil_spin]
+    return [Planned(f"{job}-{name}", job, key, "undamped") for job in BOTH for name, key in zip(UNDAMPED, keys)]

@@ -114,6 +114,8 @@ def ratios(results):
     for height in ("10", "2.5"):
         asked += [(f"{gauge}, 0.5 m over 1 m from {height} m", f"0.5-{height}-c", f"1-{height}-c", ratio(gauge)) for gauge in ("P1", "P2")]
     asked += [(f"P1 over P2 in {job}", job, job, within) for job in springs]
+    asked += [("apogee in 1-10 [cm]", "1-10", "1-10", lambda one, _: 100 * one.apogee()[0]),
+              ("its time in 1-10 [s]", "1-10", "1-10", lambda one, _: one.apogee()[1])]
     asked += [(f"P5 over P1 in {job}", job, job, outer) for job in springs]
     rows = []
     for text, job, other, figure in asked:
@@ -129,7 +131,7 @@ def rigid(results):
     head += ["at [ms]", *(f"slab over {text} [kN]" for text in ("1 ms", "5 ms")), "momentum to the slab", "global", "steps", "seconds"]
     rows = []
     for depth in ("0.5", "1"):
-        names = [f"{depth}-10-c", f"{depth}-10-c-free-rock", f"{depth}-10-c-undamped", f"{depth}-10-rigid"]
+        names = [f"{depth}-10-c", *(f"{depth}-10-c-{kind}" for kind in plan.UNDAMPED), f"{depth}-10-rigid"]
         names += [f"{depth}-10-rigid-half-step", f"{depth}-10-rigid-400-sweeps", f"{depth}-10-rigid-solved"]
         for name in names:
             if name in results and results[name].summary:

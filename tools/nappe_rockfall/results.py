@@ -54,6 +54,13 @@ class Result:
         early = self.probe["time"] <= UNTIL * (1 + 1e-9)
         return float(self.probe["penetration"][early].max())
 
+    def apogee(self):
+        """How high the block flies above its first touch after the deepest point [m], and when [s]."""
+        time, values = self.probe["time"], self.probe["penetration"]
+        k = int(np.argmax(values))
+        height, at = peak(time[k:], -values[k:])
+        return height, at
+
     def rebound(self):
         """How far the block has come up again from the deepest point [m]."""
         values = self.probe["penetration"]
