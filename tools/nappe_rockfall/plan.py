@@ -70,7 +70,7 @@ def planned():
         runs.append(Planned(f"{job}-half-step", job, keys, "step"))
     runs.append(Planned("0.5-10-rigid-400-sweeps", "0.5-10-rigid", {"stages.fall.solver.sweeps": 400}, "step"))
     solved = {"stages.fall.solver.tolerance": 1e-2, "stages.fall.solver.max_sweeps": 20000}
-    runs.append(Planned("0.5-10-rigid-solved", "0.5-10-rigid", solved, "step"))
+    runs += [Planned(f"{job}-solved", job, solved, "step") for job in RIGID]
     return runs + undamped()
 
 
