@@ -71,9 +71,8 @@ TEST(check, says_when_smooth_stages_are_settled_and_how_often_stages_of_other_st
     slower.solver.h = 0.02;
     scene.stages.push_back(slower);
     const auto text = describe(scene, {}, 1);
-    for (const auto* part :
-         {"until kinetic 1e-07 and unbalanced 0.001, at most 50 s",
-          "probe      two: grain -1 (-1 is the last); every 5 steps, 0.05 s or 0.1 s\n"}) {
+    for (const auto* part : {"until kinetic 1e-07 and unbalanced 0.001, at most 50 s",
+                             "probe      two: grain -1 (-1 is the last); every 5 steps, 0.05 s or 0.1 s\n"}) {
         EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
     }
 }
