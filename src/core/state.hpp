@@ -31,6 +31,7 @@ template <int D>
 struct alignas(32) BodyPlace {
     std::array<double, D> x{}; ///< [m]
     double radius = 0;         ///< [m]
+    double rotation = 0;       ///< as a step of smooth contacts begins; nothing elsewhere [rad]
 
     Vec<D> position() const {
         Vec<D> v;

@@ -105,6 +105,9 @@ public:
     template <class Real>
     void finish_sweep(std::vector<BodyVelocity<D, Real>>& u);
 
+    /// Local. Rows that others' tiles change, of own grains and of copies; some more than once.
+    std::span<const LocalId> received_rows() const { return receives_.rows; }
+
     const HaloTraffic& traffic() const { return traffic_; }
     void clear_traffic() { traffic_ = {}; } ///< Local.
 

@@ -62,10 +62,15 @@ public:
     SolveReport solve(ContactsOf<D>& contacts, Halo<D>& halo, std::vector<BodyVelocity<D>>& u,
                       const SolverSettings& settings, int sweeps, double scale);
 
-    /// **Collective.** Smooth contacts over a step of h: their forces, from the velocities u_old, act on u, colour by colour.
-    void press(ContactsOf<D>& contacts, Halo<D>& halo, const std::vector<BodyVelocity<D>>& u_old,
-               std::vector<BodyVelocity<D>>& u, double h) {
-        sweep_.run(1, 1, halo, u, [&](std::size_t t, std::size_t) { contacts.press(t, u_old, u, h); });
+    /// Local. After order_tiles, before `pass`.
+    void find_early(const Halo<D>& halo) { sweep_.find_early(halo); }
+
+    /// **Collective.** One pass of smooth contacts, colour by colour, that opens and closes the grains of tiles as well
+    /// (fused_pass.hpp).
+    template <class Open, class Press, class Close>
+    void pass(Halo<D>& halo, std::vector<BodyVelocity<D>>& u, const Open& open, const Press& press,
+              const Close& close) {
+        sweep_.pass(halo, u, open, press, close);
     }
 
     /// **Collective.** n passes of the correction of positions that `contacts` has begun; w are its velocities.

@@ -112,6 +112,43 @@ struct BodyArrays {
     const double* u_old;
 };
 
+/// What smooth contacts are found from: where bodies stand and how fast they are as a step begins, as above.
+struct SmoothBodies {
+    const double* mid;
+    const double* u_old;
+};
+
+/// A step of smooth contacts.
+struct SmoothStep {
+    SmoothBodies bodies;
+    double* u;    ///< velocities that forces act on
+    double h;     ///< [s]
+    double share; ///< of the smaller radius: overlaps beyond it are told of
+    bool uniform; ///< all springs and friction are those of the first lane, and c_s = c_n
+};
+
+/// What `press` met.
+struct SmoothTally {
+    double touching = 0; ///< contacts of disks or walls that overlap
+    double deeper = 0;   ///< than `share`, the deepest; 0 if none is [m]
+};
+
+/// Grains as the kernels that move them see them; rows of `mid`, `u` and `u_old` are four doubles, of `x` and `damping` two.
+struct GrainArrays {
+    double *x, *mid, *u, *u_old;
+    double* rotation;      ///< nullptr where nothing turns
+    const double* damping; ///< C h / 2m and C* h / 2I
+    const double* mass;    ///< [kg]
+};
+
+/// How grains end a step.
+struct GrainMotion {
+    double fastest_squared = 0; ///< [m²/s²]
+    double zeros = 0;           ///< NaN if any of them is not finite
+    double kinetic = 0;         ///< [J]
+    double momentum[2] = {};    ///< [N s]
+};
+
 /// Doubles of `u` that will be asked for next.
 struct BodyRange {
     std::int64_t begin = 0, end = 0;
@@ -161,10 +198,21 @@ struct DiskKernels {
     /// batches; lanes past n repeat the last pair.
     void (*gaps)(const std::int32_t* which, std::int64_t n, const std::int32_t* a, const std::int32_t* b,
                  const BodyArrays& bodies, GapBatch* out);
-    /// Cundall's contacts (disk_smooth.inl) for a step of h: from the gaps kept, the velocities u_old and the tangential
-    /// springs in r_t, forces times h. r_n becomes the normal one, r_t the spring's part of the tangential one, `summed` the
-    /// rest of it; their effect is added to `u`. Pre: gaps and sums are kept.
-    void (*press)(const BatchSpan& batches, const SpringBatch* springs, const double* u_old, double* u, double h);
+    /// Cundall's contacts (disk_smooth.inl), their forces times h: the effect is added to step.u. Tangential springs are
+    /// read in r_t and written to `after`. Where of_walls[k] is not 0, batch k has lanes of walls: their normals and gaps
+    /// are in it, and its impulses are stored, r_n and in `summed` what the spring has not of the tangential one. Padding
+    /// and pairs apart have no effect.
+    /// Pre: gaps and sums are kept; of_walls may be nullptr.
+    SmoothTally (*press)(const BatchSpan& batches, const SpringBatch* springs, TangentBatch* after,
+                         const unsigned char* of_walls, const SmoothStep& step);
+    /// What `press` found and did not store: gaps, normals, impulses. r_t: the springs after it. Returns the largest
+    /// overlap over the smaller radius.
+    double (*record)(const BatchSpan& batches, const SpringBatch* springs, const SmoothBodies& bodies, double h);
+    /// Rows begin … end - 1 start a step: u_old and mid as they stand, with the rotation as a body's fourth double, and
+    /// to `u` what comes of gravity (`gained`, [m/s]) and of half the damping.
+    void (*open_grains)(const GrainArrays& grains, std::int64_t begin, std::int64_t end, const double* gained);
+    /// They end it, after all forces: the other half of the damping, positions and rotations.
+    GrainMotion (*close_grains)(const GrainArrays& grains, std::int64_t begin, std::int64_t end, double h);
     /// The batches, rounded.
     void (*round_batches)(const BatchSpan& batches, SingleBatch* contacts);
     /// `relax` in single precision; the law's limits are those of `batches`.

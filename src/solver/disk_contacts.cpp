@@ -69,18 +69,23 @@ PackFaults DiskContacts::pack(const State<2>& state, CandidateSet<2>& candidates
         n_active_ += ranges_[t].active;
     }
     if (fresh_) {
-        lay_out(step);
-        faults = {};
-        for (std::size_t t = 0; t < ranges_.size(); ++t) {
-            ranges_[t].begin = static_cast<std::int64_t>(batches_.size());
-            pack_tile(t, step, faults);
-            n_active_ += ranges_[t].active;
-            grow(ranges_[t], spare_batches);
-        }
-        fresh_ = false;
+        pack_all(step, faults);
     }
     std::fill(summed_.begin(), summed_.end(), SearchBatch{});
     return faults;
+}
+
+/// All tiles, into an empty storage.
+void DiskContacts::pack_all(const Step& step, PackFaults& faults) {
+    lay_out(step);
+    faults = {};
+    for (std::size_t t = 0; t < ranges_.size(); ++t) {
+        ranges_[t].begin = static_cast<std::int64_t>(batches_.size());
+        pack_tile(t, step, faults);
+        n_active_ += ranges_[t].active;
+        grow(ranges_[t], spare_batches);
+    }
+    fresh_ = false;
 }
 
 /// Normals and biases of a tile all of whose active contacts have lanes; false: some have none, or too many sleep.
@@ -168,6 +173,11 @@ bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& fau
     return true;
 }
 
+/// Whether a pair does without a lane for now. @param near gaps of smooth contacts from which on it does [m]
+bool DiskContacts::may_rest(double gap, double size, double v_free, double v_old, double look, double near) const {
+    return smooth_ ? gap > near : sleeps(gap, size, v_free, v_old, look);
+}
+
 /// Fills gaps_ for n candidates: those in `which`, or those from `from` on.
 void DiskContacts::measure(const std::int32_t* which, std::int32_t n, const CandidateSet<2>& candidates,
                            std::int32_t from, const BodyArrays& bodies) {
@@ -185,7 +195,7 @@ bool DiskContacts::any_wakes(std::size_t tile, const Step& step) {
     for (std::int32_t k = 0; k < n; ++k) {
         const GapBatch& g = gaps_[static_cast<std::size_t>(k / n_lanes)];
         const int l = k % n_lanes;
-        if (bonded(step, which[k]) || !sleeps(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.look)) {
+        if (bonded(step, which[k]) || !may_rest(g.gap[l], g.size[l], g.v[l], g.v_old[l], step.look, near_)) {
             return true;
         }
     }
@@ -196,7 +206,7 @@ DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const 
                                         double v_free, double v_old) const {
     const LocalId a = step.candidates.a[c], b = step.candidates.b[c];
     Found found{Decision::act, n, gap > 0 ? gap / step.h : 0.0, gap};
-    if (laws_.features.restitution) {
+    if (laws_.features.restitution && !smooth_) {
         const double e = laws_.restitution(step.state.material[a], step.state.material[b]);
         if (e > 0) {
             // Newton's law needs the approach that free flight brings; a gap bias would take it away a step early.
@@ -207,7 +217,7 @@ DiskContacts::Found DiskContacts::judge(const Step& step, std::int32_t c, const 
             return found;
         }
     }
-    if (!step.activate_all && !bonded(step, c) && sleeps(gap, size, v_free, v_old, step.look)) {
+    if (!step.activate_all && !bonded(step, c) && may_rest(gap, size, v_free, v_old, step.look, 2 * near_)) {
         found.decision = Decision::sleep;
     }
     return found;
@@ -220,6 +230,9 @@ DiskContacts::Found DiskContacts::judge_wall(const Step& step, std::int32_t c, P
     if (went_through(state, step.walls, g, a, b, step.h) && state.id[a] < faults.through_wall) {
         faults.through_wall = state.id[a];
         faults.wall = step.walls.feature(b - state.n_held()).wall;
+    }
+    if (smooth_) { // always a lane: who comes round a corner of walls overlaps from one step to the next
+        return {Decision::act, g.n, 0, g.applies ? g.gap : 0.0};
     }
     if (!g.applies) {
         return {};

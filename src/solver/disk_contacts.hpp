@@ -38,20 +38,26 @@ public:
     /// Local. From now on, springs and dashpots instead of rigid contacts; to be followed by `set_kept`.
     void set_smooth(bool smooth) { smooth_ = smooth; }
 
-    /// Local. Cundall's forces of one tile over a step of h (DiskKernels::press). Pre: set_smooth, pack.
-    void press(std::size_t tile, const std::vector<BodyVelocity<2>>& u_old, std::vector<BodyVelocity<2>>& u, double h) {
-        const Range& range = ranges_[tile];
-        kernels_->press(span(range), springs_.data() + range.begin, doubles(u_old), doubles(u), h);
-    }
+    // Smooth contacts (disk_pressing.cpp): lanes hold all pairs that may overlap until surfaces may have come nearer by
+    // `near`, a step is one pass over them, and what it does not store is found again when somebody asks.
+    /// Local. Gives lanes to all pairs nearer than `near` [m], with their springs, and to those nearer than twice that in
+    /// tiles where one had none. Pre: as for `pack`.
+    PackFaults gather_near(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
+                           double near);
+    bool uniform_springs() const { return laws_.uniform_springs; } ///< SmoothStep::uniform
+    bool fresh() const { return fresh_; } ///< lists or springs are new: gather_near has to be called
+    /// Local. Cundall's forces of one tile (DiskKernels::press). @param faults of its contacts with walls are added
+    SmoothTally press(std::size_t tile, const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls,
+                      const SmoothStep& step, PackFaults& faults);
+    /// Local. After all tiles: springs are those of the step's end, or, if it has failed, of its start again.
+    void swap_springs() { tangent_.swap(tangent_after_); }
+    /// Local. What the last step found and did not store, and the largest overlap, over the smaller radius.
+    void record(const State<2>& state, double h);
 
     /// Local. Prepares the correction of positions after a step of h that ends at velocities u (DiskKernels), and one of
     /// its passes over a tile, which changes velocities w.
     void begin_correction(const std::vector<BodyVelocity<2>>& u, double h, double share);
-    void relax_correction(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& w) {
-        const Range& r = ranges_[tile];
-        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        kernels_->relax(BatchSpan{corrections_.data() + r.begin, r.n}, doubles(w), soon);
-    }
+    void relax_correction(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& w);
 
     /// Local. Gaps and biases after a substep of h at velocities u, normals as they are; its impulses are added up.
     void advance(const std::vector<BodyVelocity<2>>& u, double h);
@@ -78,8 +84,7 @@ public:
 
     /// Local. One pass over a tile; `next` is the tile after it, whose bodies are fetched meanwhile, or no_tile.
     void relax(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u) {
-        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        kernels_->relax(span(ranges_[tile]), u.data()->v.data(), soon);
+        kernels_->relax(span(ranges_[tile]), u.data()->v.data(), bodies_of(next));
     }
 
     /// Local. Room for what a method keeps of each impulse from sweep to sweep: `n` numbers, 2 at most; the first is the
@@ -87,49 +92,24 @@ public:
     void remember(int n);
 
     // Local. One tile's part in the passes of the methods (DiskKernels says what they do).
-    double relax_watched(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u) {
-        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        return kernels_->relax_watched(span(ranges_[tile]), doubles(u), soon);
-    }
+    double relax_watched(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2>>& u);
     StepSums relax_ahead(std::size_t tile, std::size_t next, double beta, const TermRounding& rounding,
-                         std::vector<BodyVelocity<2>>& u) {
-        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        return kernels_->relax_ahead(span(ranges_[tile]), memory(0, tile), beta, rounding, doubles(u), soon);
-    }
+                         std::vector<BodyVelocity<2>>& u);
     StepSums relax_along(std::size_t tile, std::size_t next, double beta, const TermRounding& rounding,
-                         std::vector<BodyVelocity<2>>& u) {
-        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        return kernels_->relax_along(span(ranges_[tile]), memory(0, tile), memory(1, tile), beta, rounding, doubles(u),
-                                     soon);
-    }
+                         std::vector<BodyVelocity<2>>& u);
     StepSums project(std::size_t tile, double beta, double step, const TermRounding& rounding,
-                     const std::vector<BodyVelocity<2>>& at, std::vector<BodyVelocity<2>>& u) {
-        return kernels_->project(span(ranges_[tile]), memory(0, tile), beta, step, rounding, doubles(at), doubles(u));
-    }
+                     const std::vector<BodyVelocity<2>>& at, std::vector<BodyVelocity<2>>& u);
     StepSums gradient(std::size_t tile, const TermRounding& rounding, const std::vector<BodyVelocity<2>>& at,
-                      std::vector<BodyVelocity<2>>& of_z) {
-        return kernels_->gradient(span(ranges_[tile]), memory(0, tile), memory(1, tile), rounding, doubles(at),
-                                  doubles(of_z));
-    }
+                      std::vector<BodyVelocity<2>>& of_z);
     StepSums turn(std::size_t tile, double beta, const TermRounding& rounding, const std::vector<BodyVelocity<2>>& at,
-                  std::vector<BodyVelocity<2>>& of_p) {
-        return kernels_->turn(span(ranges_[tile]), memory(0, tile), memory(1, tile), beta, rounding, doubles(at),
-                              doubles(of_p));
-    }
-    void go_along(std::size_t tile, double alpha, std::vector<BodyVelocity<2>>& u) {
-        kernels_->go_along(span(ranges_[tile]), memory(1, tile), alpha, doubles(u));
-    }
+                  std::vector<BodyVelocity<2>>& of_p);
+    void go_along(std::size_t tile, double alpha, std::vector<BodyVelocity<2>>& u);
 
     /// Local. Copies of all batches in single precision, for relax_single.
     void round_batches();
-    void relax_single(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2, float>>& u) {
-        const BodyRange soon = next == no_tile ? BodyRange{} : ranges_[next].bodies;
-        kernels_->relax_single(span(ranges_[tile]), single_of(tile), u.data()->v.data(), soon);
-    }
+    void relax_single(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2, float>>& u);
     /// Local. The impulses of a tile's copies become its own, u follows.
-    void settle_single(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
-        kernels_->settle_single(span(ranges_[tile]), single_of(tile), doubles(u));
-    }
+    void settle_single(std::size_t tile, std::vector<BodyVelocity<2>>& u);
     /// By one sweep in single precision, without bodies.
     std::size_t bytes_swept_single() const;
 
@@ -155,21 +135,6 @@ public:
     /// Largest overlap that the last `pack` met on this rank, over the smaller radius.
     double deepest() const { return deepest_; }
 
-    /// Calls f(wall body, n, r_n, r_t) for the contacts of a tile with walls, in the order of candidates; impulses as
-    /// for_each_summed has them.
-    template <class F>
-    void for_each_of_walls(std::size_t tile, F&& f) const {
-        const Range& range = ranges_[tile];
-        for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
-            if (const std::int64_t slot = walls_[static_cast<std::size_t>(w)].slot; slot >= 0) {
-                const DiskBatch& batch = batches_[static_cast<std::size_t>(slot / n_lanes)];
-                const auto l = static_cast<int>(slot % n_lanes);
-                const auto r = summed(batch, slot / n_lanes, l);
-                f(row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r.n, r.t[0]);
-            }
-        }
-    }
-
     /// Calls f(a, b, n, gamma h) for the contacts of a tile that attract, in the order of candidates. Pre: cohesive().
     template <class F>
     void for_each_bond(std::size_t tile, F&& f) const {
@@ -190,6 +155,23 @@ public:
 
     /// Of the contacts that this rank counts.
     std::int64_t n_active() const { return n_active_ - (n_counted_ < ranges_.size() ? ranges_.back().active : 0); }
+    /// Calls f(a, wall body, n, r_n, r_t) for the contacts of a tile with walls, as for_each_summed would.
+    template <class F>
+    void for_each_of_walls(std::size_t tile, F&& f) const {
+        const Range& range = ranges_[tile];
+        for (auto w = range.walls_begin; w < range.walls_begin + range.n_walls; ++w) {
+            const std::int64_t slot = walls_[static_cast<std::size_t>(w)].slot;
+            if (slot < 0) {
+                continue;
+            }
+            const DiskBatch& batch = batches_[static_cast<std::size_t>(slot / n_lanes)];
+            if (const auto l = static_cast<int>(slot % n_lanes); batch.m_eff[l] > 0) {
+                const auto r = summed(batch, slot / n_lanes, l);
+                f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), r.n, r.t[0]);
+            }
+        }
+    }
+
     std::int64_t n_active(std::size_t tile) const { return ranges_[tile].active; }
     std::int64_t n_batches(std::size_t tile) const { return ranges_[tile].n; }
     std::size_t n_tiles() const { return ranges_.size(); }
@@ -213,6 +195,16 @@ public:
         });
     }
 
+    /// Calls f(a, b, n, impulse, s h, s h of the step before) with the tangential springs s of smooth contacts, likewise.
+    template <class F>
+    void for_each_spring(std::size_t tile, F&& f) const {
+        for_each_lane(tile, [&](const DiskBatch& batch, std::int64_t k, int l) {
+            const double before = tangent_after_.empty() ? 0.0 : tangent_after_[static_cast<std::size_t>(k)].r_t[l];
+            f(row(batch.a[l]), row(batch.b[l]), Vec<2>(batch.nx[l], batch.ny[l]), summed(batch, k, l), tangential(k, l),
+              before);
+        });
+    }
+
     /// Calls f(name, array) for every array over lanes, which has an element for each or for each batch, and over
     /// candidates.
     template <class F>
@@ -230,10 +222,12 @@ public:
         f("memory[1]", memory_[1]);
         f("single", single_);
         f("springs", springs_);
+        f("tangent_after", tangent_after_);
     }
 
     /// By one sweep, without bodies.
     std::size_t bytes_swept() const;
+    const DiskKernels& kernels() const { return *kernels_; }
     const char* instruction_set() const { return kernels_->name; }
 
 private:
@@ -279,11 +273,13 @@ private:
         BodyArrays bodies;
     };
 
+    void meet_walls(const Range& range, const Step& step, PackFaults& faults);
     static BodyArrays arrays(const State<2>& state) {
         return {state.mid.data()->x.data(), state.u.data()->v.data(), state.u_old.data()->v.data()};
     }
     static double* doubles(std::vector<BodyVelocity<2>>& u) { return u.data()->v.data(); }
     static const double* doubles(const std::vector<BodyVelocity<2>>& u) { return u.data()->v.data(); }
+    BodyRange bodies_of(std::size_t tile) const { return tile == no_tile ? BodyRange{} : ranges_[tile].bodies; }
     SearchBatch* memory(std::size_t which, std::size_t tile) { return memory_[which].data() + ranges_[tile].begin; }
     SingleBatch* single_of(std::size_t tile) { return single_.data() + ranges_[tile].begin; }
     BatchSpan span(const Range& range) {
@@ -344,12 +340,14 @@ private:
     void refresh_bonds(const Range& range, const Step& step);
     void refresh_bond(std::int64_t slot, const Step& step, std::int32_t c);
     bool refresh_tile(std::size_t tile, const Step& step, PackFaults& faults);
+    void pack_all(const Step& step, PackFaults& faults);
     bool pack_tile(std::size_t tile, const Step& step, PackFaults& faults);
     bool missed_in_lanes(const Range& range, const State<2>& state, const Walls<2>& walls, double h) const;
     bool any_wakes(std::size_t tile, const Step& step);
     bool bonded(const Step& step, std::int32_t c) const {
         return cohesive_ && step.candidates.bond[static_cast<std::size_t>(c)] != Bond::none;
     }
+    bool may_rest(double gap, double size, double v_free, double v_old, double look, double near) const;
     Found judge(const Step& step, std::int32_t c, const Vec<2>& n, double gap, double size, double v_free,
                 double v_old) const;
     Found judge_wall(const Step& step, std::int32_t c, PackFaults& faults);
@@ -377,7 +375,9 @@ private:
     std::vector<DiskBatch> corrections_;             ///< empty unless positions are corrected
     std::vector<SingleBatch> single_;                ///< empty unless swept over in single precision
     std::vector<SpringBatch> springs_;               ///< empty unless smooth_
+    std::vector<TangentBatch> tangent_after_;        ///< likewise, or without friction
     bool smooth_ = false;
+    double near_ = 0; ///< of the last gather_near [m]
     bool keeps_gaps_ = false;
     int kept_ = 1; ///< substeps that normals serve for
     bool cohesive_ = false;
@@ -391,6 +391,7 @@ private:
     bool fresh_ = true;
 
     mutable std::vector<std::int64_t> lane_of_; ///< scratch of for_each_lane
+    std::vector<unsigned char> of_walls_;       ///< of `press`: which batches of a tile have lanes of walls, else 0
     std::vector<GapBatch> gaps_;                ///< of one tile
     std::vector<std::int32_t> last_;  ///< by row: the latest batch that has the grain, counted over all tiles packed
     std::int32_t n_packed_ = 1;       ///< that count before the tile in hand

@@ -21,6 +21,7 @@ void DiskContacts::lay_out(const Step& step) {
     kept_gaps_.clear();
     summed_.clear();
     springs_.clear();
+    tangent_after_.clear();
     walls_.clear();
     asleep_.resize(static_cast<std::size_t>(candidates.size()));
     ranges_.assign(n_tiles, {});
@@ -65,6 +66,7 @@ void DiskContacts::grow(Range& range, std::int64_t n) {
     }
     if (smooth_) {
         springs_.resize(batches_.size());
+        tangent_after_.resize(tangent_.size());
     }
 }
 

@@ -1,13 +1,13 @@
 #include "solver/disk_methods.inl"
-#include "solver/disk_smooth.inl"
 #include "solver/disk_single.inl"
+#include "solver/disk_smooth.inl"
 
 namespace nappe {
 
 extern const DiskKernels disk_kernels_portable;
 const DiskKernels disk_kernels_portable{
-    "portable",    relax,    relax_ahead, relax_along,   project,      gradient,
-    turn,          go_along, apply,       refresh,       advance,      begin_correction,
-    relax_watched, gaps,     press,       round_batches, relax_single, settle_single};
+    "portable", relax,  relax_ahead, relax_along,  project,          gradient,      turn,
+    go_along,   apply,  refresh,     advance,      begin_correction, relax_watched, gaps,
+    press,      record, open_grains, close_grains, round_batches,    relax_single,  settle_single};
 
 } // namespace nappe

@@ -9,6 +9,7 @@ namespace nappe {
 template <int D>
 void Simulation<D>::collect_energy(double h) {
     const auto lap = watch_.lap(Timed::measure);
+    settle_records();
     for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
         const auto& tile = candidates_.tiles[t];
         for (LocalId i = tile.grains_begin; i < tile.grains_end; ++i) {

@@ -67,6 +67,8 @@ std::vector<Field> fields_of(const Features& f) {
         of_lanes("single", lane_of<SingleBatch>, "the contact, rounded", "single precision", f.single),
         of_lanes("kept_gaps", lane_of<KeptGapBatch>, "gap", "kept geometry", f.kept_gaps),
         of_lanes("springs", lane_of<SpringBatch>, "springs, dashpots, friction", "smooth contacts", f.smooth),
+        of_lanes("tangent_after", lane_of<TangentBatch>, "tangential spring that a step ends with",
+                 "smooth contacts with friction", f.smooth && f.friction),
         of_lanes("summed", lane_of<SearchBatch>, "impulse of the substeps before, or beside the spring",
                  "kept geometry", f.kept_normals || f.smooth),
         Field{grain, "correction", sizeof(BodyVelocity<2>), "way to move apart, over the step", "position correction",

@@ -80,9 +80,16 @@ void Simulation<D>::relist() {
     contacts_.forget();
     domain_.build_halo(state_, candidates_);
     solver_.order_tiles(candidates_, settings().adaptive.has_value());
+    if (smooth()) {
+        solver_.find_early(domain_.halo());
+    }
     costs_.relist(candidates_);
     find_reported_tiles();
     damping_.clear();
+    bounds_ = {};
+    for (LocalId i = 0; i < state_.n_own && smooth(); ++i) {
+        bounds_.weighed += state_.mass[i] * scene_.gravity.norm() * mean_radius_;
+    }
     ++counters_.rebuilds;
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (moved) {

@@ -23,8 +23,9 @@ struct PairLaws {
     /// Pre: the pair has springs.
     const Springs& springs(int a, int b) const { return *springs_[static_cast<std::size_t>(a * n_ + b)]; }
 
-    Features features;           ///< of the scene
-    double uniform_friction = 0; ///< for all pairs, unless features.mixed_friction
+    Features features;            ///< of the scene
+    bool uniform_springs = false; ///< all pairs that have any have the same, with c_s = c_n, and the same friction
+    double uniform_friction = 0;  ///< for all pairs, unless features.mixed_friction
 
 private:
     int n_ = 0;

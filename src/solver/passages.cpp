@@ -8,7 +8,7 @@
 
 namespace nappe {
 
-/// Which steps look follows from the step's number and from flags that all ranks share, so that a run ends in the same
+/// Smooth steps call this only if something may be found. Which other steps look follows from the step's number and from flags that all ranks share, so that a run ends in the same
 /// step on any number of ranks.
 template <int D>
 std::uint32_t Simulation<D>::look_for_passages(double h, int n) {
@@ -17,7 +17,7 @@ std::uint32_t Simulation<D>::look_for_passages(double h, int n) {
     const double theta = settings().theta;
     const bool first = stage_substeps_ == 0; // comes from where the stage found it, not from another step's mid
     // stage_substeps_ counts the substeps before the last one of the n.
-    const bool all = stage_substeps_ / slow_ones * slow_ones > stage_substeps_ - n;
+    const bool all = smooth() || stage_substeps_ / slow_ones * slow_ones > stage_substeps_ - n;
     passage_ = {};
     if ((all || some_fast_) && !settings().unsafe) { // springs may be too soft, and the overlap is told of
         passage_ = find_passage(state_, candidates_, first ? h * (1 - theta) : h, all);

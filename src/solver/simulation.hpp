@@ -48,6 +48,7 @@ inline constexpr std::uint32_t fast = 1u << 6;     ///< a grain moves more than 
 inline constexpr std::uint32_t passed = 1u << 7;   ///< a grain went through another, or through a wall
 inline constexpr std::uint32_t deep = 1u << 8;     ///< an overlap beyond watch.overlap.limit
 inline constexpr std::uint32_t outside = 1u << 9;  ///< a centre outside watch.bounds
+inline constexpr std::uint32_t grown = 1u << 10;   ///< energy of a smooth step, perhaps: to be looked at
 inline constexpr std::uint32_t outside_first = 1u << 16; ///< bits from here on are the caller's: signals, I/O errors
 } // namespace flag
 
@@ -100,12 +101,16 @@ public:
     const CandidateSet<D>& candidates() const {
         if (impulses_stale_) {
             keep_impulses();
+            settle_records();
             contacts_.store(candidates_);
             impulses_stale_ = false;
         }
         return candidates_;
     }
-    const ContactsOf<D>& contacts() const { return contacts_; }
+    const ContactsOf<D>& contacts() const {
+        settle_records();
+        return contacts_;
+    }
     /// Of bodies, kept by the method and by the correction of positions: what fields.hpp lists under "Iteration" and
     /// "Simulation". Pre: a step.
     std::size_t bytes_of_method() const { return solver_.bytes_of_method(); }
@@ -165,14 +170,34 @@ private:
     bool walls_change_speed() const;
     bool corrects() const { return settings().position_correction > 0; }
     bool smooth() const { return is_smooth(settings()); }
-    void press(double h); // smooth.cpp
-    void damp(double h);
+    /// What the grains of a smooth step did on this rank.
+    struct Moved {
+        double fastest_squared = 0;       ///< [m²/s²]
+        double zeros = 0;                 ///< NaN if something is not finite
+        double kinetic = 0;               ///< of grains owned [J]
+        Vec<D> momentum = Vec<D>::Zero(); ///< likewise [N s]
+        SmoothTally met;                  ///< deeper: than depth_share() of the smaller radius
+    };
+    bool smooth_substep(const Solve& solve); // smooth.cpp
+    void press(double h, Moved& moved, PackFaults& faults);
+    bool nothing_to_look_for(double h, const Moved& moved);
+    bool may_have_grown(double h, const Moved& moved) const;
+    std::uint32_t look_closely(double h, const PackFaults& faults);
+    void step_back();
+    double least_room(double h) const;
+    double near_gap() const;
+    double depth_share() const;
+    GrainArrays grain_arrays();
     void find_damping(double h);
-    void note_springs(); // smooth_energy.cpp
     template <class F>
-    std::size_t for_each_smooth(std::size_t tile, double h, const double* before, F&& f) const;
+    void for_each_smooth(std::size_t tile, double h, F&& f) const; // smooth_energy.cpp
     void collect_springs(std::size_t tile, double h);
     SpringEnergy spring_growth(double h) const;
+    void settle_records() const;
+    bool give_up(int attempt) const;
+    void redo_with_lists(double h);
+    void predict_walls(double ahead);
+    void integrate_walls(double h);
     void note_gain(double h); // correction.cpp
     void correct_positions(double h, int sweeps);
     void move_apart(double h);
@@ -204,15 +229,18 @@ private:
     void place_walls();
     double largest_margin() const { return domain_.largest_margin(r_max_, state_.attraction); }
     double velocity_scale(double h) const;
+    enum class EnergyLook { none, judge, remember }; ///< remember: what growth is compared with later on as well
     // The watch. `start`: of n > 1 substeps that share their normals.
     void gauge(const Tile& tile, double h, const StepStart<D>* start); // watch_step.cpp
     std::uint32_t read_gauge(double h, int n, const StepStart<D>* start);
-    bool heed(double h, int n, const StepStart<D>* start);
+    bool heed(double h, int n, const StepStart<D>* start, EnergyLook look = EnergyLook::remember);
     bool preparing() const { return scene_.stages[static_cast<std::size_t>(stage_)].until.has_value(); }
     bool may_divide(typename WatchSettings<D>::Then then) const;
     Vec<D> end_of(LocalId i, double h) const;
     Suspect deepest(double h) const;
-    double energy_growth(double h, int n, const StepStart<D>* start); // watch_energy.cpp
+    double energy_growth(double h, int n, const StepStart<D>* start, EnergyLook look); // watch_energy.cpp
+    template <class F>
+    void for_each_work_of_walls(F&& f) const;
     double work_of_bonds(double h, int n, const StepStart<D>* start) const;
     Suspect driver() const;
     std::string cause(Watched what, double growth) const; // watch_causes.cpp
@@ -231,13 +259,14 @@ private:
     Scene<D> scene_;
     Walls<D> walls_;
     Stopwatch watch_;
-    State<D> state_;
+    mutable State<D> state_; ///< of it, `mid` alone follows when somebody asks for what a smooth step found
     Domain<D> domain_;
     ContactMemory<D> memory_; ///< of the impulses, across rebuilds
     // Between steps impulses stay in the batches; they are put back to their candidates when somebody asks.
     mutable CandidateSet<D> candidates_;
     mutable bool impulses_stale_ = false;
-    ContactsOf<D> contacts_;
+    mutable ContactsOf<D> contacts_;
+    mutable bool records_stale_ = false;
     ContactSolver<D> solver_;
     ContactSums<D> sums_;
     EnergySums<D> energy_;
@@ -283,9 +312,20 @@ private:
     };
     std::vector<Damping> damping_; ///< empty unless contacts are smooth
     double damping_h_ = 0;
-    std::vector<double> springs_before_; ///< for a budget of smooth contacts: s h of the step before, of all that act
-    std::size_t next_spring_ = 0;        ///< of the tile whose turn it is
-    std::vector<double> gains_;          ///< mechanical energy of each tile's grains, since the last correction [J]
+    /// Of smooth steps: what may have happened since somebody looked.
+    struct Bounds {
+        double approached = 0;         ///< surfaces, since pairs nearer than `near` got their lanes [m]
+        double near = 0;               ///< [m]
+        double pace = 0;               ///< `approached` of the last step alone [m]
+        double drifted = 0;            ///< any grain, since least_room was found [m]
+        double least_room = 0;         ///< of any grain in its margin then [m]
+        bool shallow = false;          ///< nothing is deep enough in anything to go through it
+        std::optional<double> kinetic; ///< of grains owned, as the step begins [J]
+        double weighed = 0;            ///< m |g| of grains owned times the mean radius of all [J]
+    };
+    Bounds bounds_;
+    double pressed_h_ = 0;      ///< of the last smooth step [s]
+    std::vector<double> gains_; ///< mechanical energy of each tile's grains, since the last correction [J]
     double correction_work_ = 0;
     std::optional<Residual> last_residual_;
     int last_sweeps_ = 0;

@@ -27,47 +27,33 @@ SmoothMotion motion_of(const BodyVelocity<D>& a_old, const BodyVelocity<D>& a, c
 
 } // namespace
 
-/// Local. Before contacts are pressed, for a budget: the springs of the step before.
-template <int D>
-void Simulation<D>::note_springs() {
-    springs_before_.clear();
-    for (std::size_t t = 0; t < contacts_.n_tiles() && energy_wanted_; ++t) {
-        contacts_.for_each(t, [&](LocalId, LocalId, const Vec<D>&, double, double s) { springs_before_.push_back(s); });
-    }
-    next_spring_ = 0;
-}
-
-/// Local. Calls f(contact) for the contacts of a tile that act, in the order of candidates, between `press` and `integrate`.
-/// @param before springs of the step before, of the tile's contacts in that order; nullptr: left 0
+/// Local. Calls f(contact) for the contacts of a tile that act, in the order of candidates, between `press` and the next
+/// step. Pre: records are settled.
 template <int D>
 template <class F>
-std::size_t Simulation<D>::for_each_smooth(std::size_t tile, double h, const double* before, F&& f) const {
-    std::vector<double> springs;
-    contacts_.for_each(tile, [&](LocalId, LocalId, const Vec<D>&, double, double s) { springs.push_back(s); });
-    std::size_t k = 0;
-    contacts_.for_each_summed(tile, [&](LocalId a, LocalId b, const Vec<D>& n, double r_n, double r_t) {
-        const std::size_t at = k++;
-        if (r_n == 0) {
-            return; // the disks do not overlap
-        }
-        const auto& law = *find_law(scene_, state_.material[a], state_.material[b]);
-        const auto& [normal, tangential] = *law.springs;
-        const double m_eff = 1 / (state_.u[a].inv_m + state_.u[b].inv_m);
-        SmoothContact c;
-        c.h = h;
-        c.r_n = r_n;
-        c.r_t = r_t;
-        c.s = springs[at];
-        c.s_old = before != nullptr ? before[at] : 0.0;
-        c.c_n = dashpot_of(normal, m_eff);
-        c.c_s = dashpot_of(tangential, m_eff);
-        c.k_n = normal.k;
-        c.k_s = tangential.k;
-        c.mu = law.friction;
-        c.v = motion_of<D>(state_.u_old[a], state_.u[a], state_.u_old[b], state_.u[b], n);
-        f(c);
-    });
-    return k;
+void Simulation<D>::for_each_smooth(std::size_t tile, double h, F&& f) const {
+    contacts_.for_each_spring(tile,
+                              [&](LocalId a, LocalId b, const Vec<D>& n, const Impulse<D>& r, double s, double s_old) {
+                                  if (r.n == 0) {
+                                      return; // the disks do not overlap
+                                  }
+                                  const auto& law = *find_law(scene_, state_.material[a], state_.material[b]);
+                                  const auto& [normal, tangential] = *law.springs;
+                                  const double m_eff = 1 / (state_.u[a].inv_m + state_.u[b].inv_m);
+                                  SmoothContact c;
+                                  c.h = h;
+                                  c.r_n = r.n;
+                                  c.r_t = r.t[0];
+                                  c.s = s;
+                                  c.s_old = s_old;
+                                  c.c_n = dashpot_of(normal, m_eff);
+                                  c.c_s = dashpot_of(tangential, m_eff);
+                                  c.k_n = normal.k;
+                                  c.k_s = tangential.k;
+                                  c.mu = law.friction;
+                                  c.v = motion_of<D>(state_.u_old[a], state_.u[a], state_.u_old[b], state_.u[b], n);
+                                  f(c);
+                              });
 }
 
 /// Local. Adds a tile's damping and contacts to the budget.
@@ -78,17 +64,17 @@ void Simulation<D>::collect_springs(std::size_t tile, double h) {
         const auto& material = scene_.materials[static_cast<std::size_t>(state_.material[i])];
         energy_.add_damping(material.damping, material.spin_damping, state_.radius[i], state_.u_old[i], state_.u[i], h);
     }
-    next_spring_ += for_each_smooth(tile, h, springs_before_.data() + next_spring_,
-                                    [&](const SmoothContact& c) { energy_.add_smooth(works_of(c)); });
+    for_each_smooth(tile, h, [&](const SmoothContact& c) { energy_.add_smooth(works_of(c)); });
 }
 
 /// **Collective.** What the springs hold in the step in hand, and what it gave them [J].
 template <int D>
 SpringEnergy Simulation<D>::spring_growth(double h) const {
+    settle_records();
     ExactSum held, gained;
     for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
         SpringEnergy of_tile;
-        for_each_smooth(t, h, nullptr, [&](const SmoothContact& c) {
+        for_each_smooth(t, h, [&](const SmoothContact& c) {
             const auto [of_contact, more] = spring_energy(c);
             of_tile.held += of_contact;
             of_tile.gained += more;
@@ -159,7 +145,6 @@ double unbalanced_force(const Simulation<D>& simulation) {
     return acting.value() > 0 ? unbalanced.value() / acting.value() : 0.0;
 }
 
-template void Simulation<2>::note_springs();
 template void Simulation<2>::collect_springs(std::size_t, double);
 template SpringEnergy Simulation<2>::spring_growth(double) const;
 template double elastic_energy(const Simulation<2>&);

@@ -22,21 +22,16 @@ namespace nappe {
 /// False: the whole step is to be done again with more substeps.
 template <int D>
 bool Simulation<D>::substep(const Solve& asked) {
-    constexpr int most_attempts = 8;
+    if (smooth()) {
+        return smooth_substep(asked);
+    }
     const double h = asked.h;
     begin_substep();
     bool activate_all = false;
     for (int attempt = 1;; ++attempt) {
         predict(h);
-        if (smooth()) {
-            damp(h);
-        }
         const PackFaults faults = detect(h, activate_all);
-        if (smooth()) {
-            press(h);
-        } else {
-            solve(h, asked.sweeps, Start::warm, asked.with_residual);
-        }
+        solve(h, asked.sweeps, Start::warm, asked.with_residual);
         if (corrects()) {
             gains_.clear();
             note_gain(h);
@@ -49,28 +44,12 @@ bool Simulation<D>::substep(const Solve& asked) {
         if ((agreed_ & (flag::outran_list | flag::missed_contact)) == 0) {
             break;
         }
-        if (attempt == most_attempts) {
-            if (may_divide(scene_.watch.failure)) {
-                return false;
-            }
-            throw NumericalFailure(
-                fmt::format("{} had to be redone more than {} times, since grains moved farther than foreseen each "
-                            "time; take a smaller solver.h or more sweeps",
-                            where(), most_attempts));
+        if (give_up(attempt)) {
+            return false;
         }
         // Redone from the same start, but from the impulses found so far.
         if ((agreed_ & flag::outran_list) != 0) {
-            ++counters_.redone_lists;
-            secure_start();
-            if (smooth() && done_ == 0) { // springs are no guess, and are stretched once
-                put_springs_back();
-            }
-            widen_margins(h);
-            std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
-            renew_lists();
-            find_bonds();
-            undo_.kept = undo_.kept && !smooth();
-            undo_.packed = undo_.packed && !smooth();
+            redo_with_lists(h);
         } else {
             ++counters_.redone_packs;
             std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
@@ -178,6 +157,11 @@ void Simulation<D>::predict(double h) {
             state_.u[i].v[d] = u.v[d] + gained[d];
         }
     }
+    predict_walls(ahead);
+}
+
+template <int D>
+void Simulation<D>::predict_walls(double ahead) {
     for (int w = 0; w < walls_.n_walls(); ++w) {
         walls_.offset_mid[w] = walls_.offset[w] + ahead * walls_.v_old[w];
     }
@@ -325,7 +309,7 @@ std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults, co
             flags |= flag::rebuild_next;
         }
     }
-    // What sleeps wakes in time: a smooth contact acts no earlier than its disks overlap where a step begins.
+    // What has no lane gets one in time: a smooth contact acts no earlier than its disks overlap where a step begins.
     if (!smooth() && contacts_.missed_any(state_, candidates_, walls_, h)) {
         flags |= flag::missed_contact;
     }
@@ -348,6 +332,12 @@ void Simulation<D>::integrate(double h) {
             state_.rotation[i][k] += (later * u.s[k] + before * u_old.s[k]) / state_.radius[i];
         }
     }
+    integrate_walls(h);
+}
+
+template <int D>
+void Simulation<D>::integrate_walls(double h) {
+    const double later = h * settings().theta, before = h * (1 - settings().theta);
     for (int w = 0; w < walls_.n_walls(); ++w) {
         walls_.offset[w] += later * walls_.v[w] + before * walls_.v_old[w];
         walls_.offset_mid[w] = walls_.offset[w];
@@ -376,13 +366,20 @@ void Simulation<D>::find_reported_tiles() {
 template <int D>
 void Simulation<D>::collect() {
     const auto lap = watch_.lap(Timed::measure);
-    for (const std::size_t t : reported_tiles_) {
-        contacts_.for_each_summed(t, [&](LocalId a, LocalId b, const Vec<D>& normal, double r_n, double r_t) {
-            if (b < state_.n_held() && (state_.cells_of(a) | state_.cells_of(b)) == 0) {
-                return;
-            }
+    const auto add = [&](LocalId a, LocalId b, const Vec<D>& normal, double r_n, double r_t) {
+        if (b >= state_.n_held() || (state_.cells_of(a) | state_.cells_of(b)) != 0) {
             sums_.add(state_, a, b, normal, r_n * normal + r_t * Vec<D>(-normal[1], normal[0]));
-        });
+        }
+    };
+    if (state_.carries.cells) {
+        settle_records();
+    }
+    for (const std::size_t t : reported_tiles_) {
+        if (state_.carries.cells) {
+            contacts_.for_each_summed(t, add);
+        } else {
+            contacts_.for_each_of_walls(t, add);
+        }
         sums_.end_tile();
     }
 }

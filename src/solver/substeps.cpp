@@ -121,7 +121,7 @@ void Simulation<D>::put_back(const StepStart<D>& start) {
 /// smooth contacts, what the step began with.
 template <int D>
 void Simulation<D>::go_back() {
-    if (predicted_ && (agreed_ & flag::not_finite) != 0) {
+    if (predicted_ && !smooth() && (agreed_ & flag::not_finite) != 0) { // smooth ones are those of the start already
         candidates();
         std::fill(candidates_.r_n.begin(), candidates_.r_n.end(), 0.0);
         std::fill(candidates_.r_t.begin(), candidates_.r_t.end(), std::array<double, D - 1>{});
@@ -144,6 +144,7 @@ void Simulation<D>::go_back() {
     }
     predicted_ = false;
     rebuild_due_ = false;
+    bounds_.kinetic.reset();
 }
 
 /// Substeps are h long from now on.

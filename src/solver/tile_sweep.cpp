@@ -20,6 +20,28 @@ void TileSweep<D>::order_tiles(const CandidateSet<D>& candidates, bool with_bodi
     }
 }
 
+/// fused_pass opens the first three layers before messages of the first colour are taken.
+template <int D>
+void TileSweep<D>::find_early(const Halo<D>& halo) {
+    constexpr int in_time = 3;
+    std::vector<LocalId> rows(halo.received_rows().begin(), halo.received_rows().end());
+    std::sort(rows.begin(), rows.end());
+    early_.clear();
+    is_early_.assign(grains_.size(), false);
+    for (int layer = in_time; layer <= order_.last_layer(); ++layer) {
+        for (int colour = 0; colour < n_tile_colours<D>; ++colour) {
+            for (const auto row : order_.tiles(layer, colour)) {
+                const auto t = static_cast<std::size_t>(row);
+                const auto first = std::lower_bound(rows.begin(), rows.end(), grains_[t].first);
+                if (first != rows.end() && *first < grains_[t].second) {
+                    early_.push_back(t);
+                    is_early_[t] = true;
+                }
+            }
+        }
+    }
+}
+
 template <int D>
 void TileSweep<D>::list_bodies(const CandidateSet<D>& candidates) {
     std::unordered_map<TileKey, std::int32_t> row_of;

@@ -8,6 +8,7 @@
 #include "core/stopwatch.hpp"
 #include "parallel/domain.hpp"
 #include "solver/disk_contacts.hpp"
+#include "solver/fused_pass.hpp"
 #include "solver/tile_order.hpp"
 
 #include <algorithm>
@@ -88,6 +89,45 @@ public:
     template <class Body, class Visit>
     void run(int n, int together, Halo<D>& halo, std::vector<Body>& u, Visit&& visit);
 
+    /// Local. After order_tiles, if `pass` is to be called: which tiles hold grains that others move before the tile's turn.
+    void find_early(const Halo<D>& halo);
+
+    /// **Collective.** One pass that begins and ends a step as well (fused_pass.hpp): open(t), press(t), close(t). Where a
+    /// large grain may touch any tile's, all are closed behind it. Pre: find_early.
+    template <class Open, class Press, class Close>
+    void pass(Halo<D>& halo, std::vector<BodyVelocity<D>>& u, const Open& open, const Press& press,
+              const Close& close) {
+        const bool alone = comm_.size() == 1;
+        const auto close_all = [&] {
+            for (std::size_t t = 0; t < grains_.size(); ++t) {
+                close(t);
+            }
+        };
+        if (!alone && halo.by_sweep()) {
+            for (std::size_t t = 0; t < grains_.size(); ++t) {
+                open(t);
+            }
+            run(1, 1, halo, u, [&](std::size_t t, std::size_t) { press(t); });
+            close_all();
+            return;
+        }
+        for (const std::size_t t : early_) {
+            open(t);
+        }
+        const auto open_late = [&](std::size_t t) {
+            if (!is_early_[t]) {
+                open(t);
+            }
+        };
+        if (large_ == no_tile) {
+            fused_pass(order_, alone, watch_, halo, u, open_late, press, close);
+            return;
+        }
+        fused_pass(order_, alone, watch_, halo, u, open_late, press, [](std::size_t) {});
+        press(large_);
+        close_all();
+    }
+
     /// **Collective.** Sum of term(i) over all grains, i the row on the rank that owns it; the same on any number of ranks.
     template <class Term>
     double sum_over_grains(Term&& term) {
@@ -140,6 +180,8 @@ private:
 
     Lists bodies_, around_;
     std::vector<bool> shared_;
+    std::vector<std::size_t> early_; ///< tiles to be opened before a pass
+    std::vector<bool> is_early_;
     std::size_t large_ = no_tile; ///< the contacts of large grains, if this rank has them
     std::vector<double>* seconds_ = nullptr;
 };

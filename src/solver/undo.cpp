@@ -1,6 +1,11 @@
 // A step that failed, taken back to the bit: what a restart would go on from.
 
+#include "core/error.hpp"
 #include "solver/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace nappe {
 
@@ -106,6 +111,35 @@ bool Simulation<D>::undo_step() {
     return true;
 }
 
+/// After so many attempts at a substep. True: the step is to be done with more substeps. Throws NumericalFailure.
+template <int D>
+bool Simulation<D>::give_up(int attempt) const {
+    constexpr int most_attempts = 8;
+    if (attempt < most_attempts) {
+        return false;
+    }
+    if (may_divide(scene_.watch.failure)) {
+        return true;
+    }
+    throw NumericalFailure(
+        fmt::format("{} had to be redone more than {} times, since grains moved farther than foreseen "
+                    "each time; take a smaller solver.h or more sweeps",
+                    where(), most_attempts));
+}
+
+/// A grain outran its margin: back to the start of the substep, with wider ones.
+template <int D>
+void Simulation<D>::redo_with_lists(double h) {
+    ++counters_.redone_lists;
+    secure_start();
+    widen_margins(h);
+    std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
+    renew_lists();
+    find_bonds();
+}
+
+template bool Simulation<2>::give_up(int) const;
+template void Simulation<2>::redo_with_lists(double);
 template void Simulation<2>::note_start();
 template void Simulation<2>::keep_impulses() const;
 template void Simulation<2>::put_springs_back();

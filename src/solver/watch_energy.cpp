@@ -32,28 +32,50 @@ void sum_together(const Communicator& comm, const std::array<ExactSum*, n>& sums
 
 } // namespace
 
+/// Local. Calls f(work) for each tile that this rank counts, where walls move [J].
+template <int D>
+template <class F>
+void Simulation<D>::for_each_work_of_walls(F&& f) const {
+    const auto moves = [](const auto& v) { return v.squaredNorm() > 0; };
+    if (std::none_of(walls_.v.begin(), walls_.v.end(), moves) &&
+        std::none_of(walls_.v_old.begin(), walls_.v_old.end(), moves)) {
+        return;
+    }
+    for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
+        double of_tile = 0;
+        contacts_.for_each_of_walls(t, [&](LocalId, LocalId b, const Vec<D>& normal, double r_n, double r_t) {
+            const auto w = static_cast<std::size_t>(walls_.feature(b - state_.n_held()).wall);
+            const Vec<D> mean = 0.5 * (walls_.v_old[w] + walls_.v[w]);
+            of_tile += (r_n * normal + r_t * Vec<D>(-normal[1], normal[0])).dot(mean);
+        });
+        f(of_tile);
+    }
+}
+
+/// Local. Whether energy may have grown beyond the limit in a smooth step: if not on any rank, not in all. Sums are this
+/// rank's, in any order, hence `slack`.
+template <int D>
+bool Simulation<D>::may_have_grown(double h, const Moved& moved) const {
+    constexpr double slack = 1e-6;
+    if (!bounds_.kinetic) {
+        return true;
+    }
+    double grown = moved.kinetic - *bounds_.kinetic - h * scene_.gravity.dot(moved.momentum);
+    for_each_work_of_walls([&grown](double of_tile) { grown -= of_tile; });
+    return !(grown <= (1 - slack) * scene_.watch.energy.limit * (*bounds_.kinetic + bounds_.weighed));
+}
+
 /// **Collective.** Energy that n substeps brought without work, over what there is to compare it with: the kinetic energy
 /// at their start, the work of walls, and the weight of all grains times their mean radius.
 template <int D>
-double Simulation<D>::energy_growth(double h, int n, const StepStart<D>* start) {
+double Simulation<D>::energy_growth(double h, int n, const StepStart<D>* start, EnergyLook look) {
     ExactSum work;
-    const auto moves = [](const auto& v) { return v.squaredNorm() > 0; };
-    if (std::any_of(walls_.v.begin(), walls_.v.end(), moves) ||
-        std::any_of(walls_.v_old.begin(), walls_.v_old.end(), moves)) {
-        for (std::size_t t = 0; t < candidates_.counted_tiles().size(); ++t) {
-            double of_tile = 0;
-            contacts_.for_each_of_walls(t, [&](LocalId b, const Vec<D>& normal, double r_n, double r_t) {
-                const auto w = static_cast<std::size_t>(walls_.feature(b - state_.n_held()).wall);
-                const Vec<D> mean = 0.5 * (walls_.v_old[w] + walls_.v[w]);
-                of_tile += (r_n * normal + r_t * Vec<D>(-normal[1], normal[0])).dot(mean);
-            });
-            work.add(of_tile);
-        }
-    }
+    for_each_work_of_walls([&work](double of_tile) { work.add(of_tile); });
     sum_together<3>(comm_, {&gauge_.grown, &gauge_.kinetic, &work});
     const double worked = work.value(), weight = total_mass_ * scene_.gravity.norm() * mean_radius_;
     double grown = gauge_.grown.value() - worked;
-    double scale = watcher_.energy_scale(gauge_.kinetic.value() + (worked < 0 ? -worked : worked) + weight);
+    double scale = watcher_.energy_scale(gauge_.kinetic.value() + (worked < 0 ? -worked : worked) + weight,
+                                         look == EnergyLook::remember);
     if (smooth()) { // springs give what they hold: nobody looks at them before they have given more than the limit
         if (!(grown > scene_.watch.energy.limit * scale)) {
             return 0;
@@ -100,6 +122,7 @@ double Simulation<D>::work_of_bonds(double h, int n, const StepStart<D>* start) 
 /// The contact on this rank that gave most in the last substep [J].
 template <int D>
 Suspect Simulation<D>::driver() const {
+    settle_records();
     Suspect found;
     for (std::size_t t = 0; t < contacts_.n_tiles(); ++t) {
         contacts_.for_each(t, [&](LocalId a, LocalId b, const Vec<D>& normal, double r_n, double r_t) {
@@ -117,7 +140,8 @@ Suspect Simulation<D>::driver() const {
     return found;
 }
 
-template double Simulation<2>::energy_growth(double, int, const StepStart<2>*);
+template bool Simulation<2>::may_have_grown(double, const Moved&) const;
+template double Simulation<2>::energy_growth(double, int, const StepStart<2>*, EnergyLook);
 template Suspect Simulation<2>::driver() const;
 
 } // namespace nappe

@@ -175,13 +175,14 @@ bool Simulation<D>::may_divide(typename WatchSettings<D>::Then then) const {
 }
 
 /// **Collective.** What becomes of (sub)steps that can be taken, as the scene says. False: the whole step is to be done
-/// again with more substeps. Throws NumericalFailure.
+/// again with more substeps. Throws NumericalFailure. @param look whether all ranks have
+/// gauged what their grains gained
 template <int D>
-bool Simulation<D>::heed(double h, int n, const StepStart<D>* start) {
+bool Simulation<D>::heed(double h, int n, const StepStart<D>* start, EnergyLook look) {
     using Then = typename WatchSettings<D>::Then;
     const auto lap = watch_.lap(Timed::check);
     const auto& wanted = scene_.watch;
-    const double growth = energy_growth(h, n, start);
+    const double growth = look == EnergyLook::none ? 0.0 : energy_growth(h, n, start, look);
     std::int64_t in_row = watcher_.memory().unconverged_in_row;
     if (done_ + n == parts_ && settings().tolerance) {
         in_row = counters_.unconverged > unconverged_before_ ? in_row + 1 : 0;
@@ -219,7 +220,7 @@ bool Simulation<D>::heed(double h, int n, const StepStart<D>* start) {
 
 template void Simulation<2>::gauge(const Tile&, double, const StepStart<2>*);
 template std::uint32_t Simulation<2>::read_gauge(double, int, const StepStart<2>*);
-template bool Simulation<2>::heed(double, int, const StepStart<2>*);
+template bool Simulation<2>::heed(double, int, const StepStart<2>*, EnergyLook);
 template bool Simulation<2>::may_divide(WatchSettings<2>::Then) const;
 template Vec<2> Simulation<2>::end_of(LocalId, double) const;
 

@@ -37,8 +37,8 @@ void Watcher::tell(Watched what, const std::string& text) {
     lines_.push_back(n > 1 ? fmt::format("{} ({} such steps so far)", text, n) : text);
 }
 
-double Watcher::energy_scale(double now) {
-    memory_.largest_scale = now > memory_.largest_scale ? now : memory_.largest_scale;
+double Watcher::energy_scale(double now, bool remember) {
+    memory_.largest_scale = remember && now > memory_.largest_scale ? now : memory_.largest_scale;
     const double least = 1e-9 * memory_.largest_scale;
     return now > least ? now : least;
 }

@@ -64,8 +64,8 @@ public:
 
     void set_unconverged_in_row(std::int64_t steps) { memory_.unconverged_in_row = steps; }
     /// What growth is compared with, never less than a billionth of what it was at most: where all is at rest, round-off
-    /// is no growth [J].
-    double energy_scale(double now);
+    /// is no growth [J]. @param remember whether it may become the most
+    double energy_scale(double now, bool remember);
     void note_growth(double growth) {
         memory_.largest_growth = growth > memory_.largest_growth ? growth : memory_.largest_growth;
     }

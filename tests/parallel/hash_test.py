@@ -8,6 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from gas_of_springs import gas  # noqa: E402
 from nappe_driver import SCENES, main, sets  # noqa: E402
 from same_files import SameFiles  # noqa: E402
 from smooth_keys import SMOOTH  # noqa: E402
@@ -148,6 +149,18 @@ class SameBits(SameFiles):
             self.assertGreater(run.summary["rebuilds"], 3)
             if n > 1:
                 self.assertGreater(run.summary["rebalanced"], 0, "no tile moved: the case is too easy")
+
+    def test_springs_that_fly(self):
+        # Close together: lanes run out while springs are stretched. Far apart: grains are moved by another rank's contacts
+        # in tiles whose turn is late.
+        for columns, rows, spacing in ((14, 10, 2.6), (60, 6, 7)):
+            with self.subTest(spacing=spacing):
+                shutil.rmtree(self.folder / "samples-1", ignore_errors=True)
+                scene = self.folder / "gas.toml"
+                scene.write_text(gas(columns, rows, spacing, seed=2))
+                for n, run in self.runs(scene, (2, 3, 5, 7)):
+                    self.assertGreater(run.summary["rebuilds"], 100)
+                    self.assertEqual(len(set(owners(run.out / "frames/frame-00000000.hdf"))), n, "a rank is idle")
 
     def partners_of_last(self, run, n):
         """The most that each of the last n grains touched in some frame."""

@@ -106,7 +106,7 @@ const std::vector<Case>& cases() {
              scene.stages[0].solver = smooth_settings(1e-4);
          },
          {"State::rotation", "CandidateSet::r_t", "DiskContacts::tangent", "DiskContacts::kept_gaps",
-          "DiskContacts::summed", "DiskContacts::springs"}},
+          "DiskContacts::summed", "DiskContacts::springs", "DiskContacts::tangent_after"}},
         {"adaptive", [](auto& scene) { scene.stages[0].solver.adaptive = 1e-3; }, {"Iteration::quiet"}},
         {"single_precision",
          [](auto& scene) { scene.stages[0].solver.precision = SolverSettings::Precision::single; },
@@ -266,7 +266,7 @@ TEST(Fields, BytesAreThoseOfTheArrays) {
     EXPECT_EQ(bytes_per_grain(none), 8u + 16 + 32 + 16 + 8 + 32 + 32 + 8 + 8 + 4);
     EXPECT_EQ(bytes_per_contact(none), (4u + 4 + 8 + 4) + (6 * 8 + 4));
     EXPECT_EQ(bytes_per_grain(Features()), bytes_per_grain(none) + 8 + 8 + 4 + 2 * 32 + 32 + 32 + 16);
-    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 4 * 8 + 3 * 16 + 48 + 32 + 5 * 8);
+    EXPECT_EQ(bytes_per_contact(Features()), bytes_per_contact(none) + (8 + 1) + 5 * 8 + 3 * 16 + 48 + 32 + 5 * 8);
 }
 
 TEST(Fields, VariantsOfTheKernelAreNamed) {

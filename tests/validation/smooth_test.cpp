@@ -255,6 +255,21 @@ TEST(Smooth, FrictionSlidesAtItsLimit) {
     EXPECT_NEAR(run.rim_speed(0), -run.grain(0).v[0], 1e-3 * v0);
 }
 
+TEST(Smooth, AFloorInPiecesCarriesAsOne) {
+    // Slides over joints, where the contact with one piece ends and that with the next one begins, both as deep.
+    const double w = std::sqrt(k / m), h = 0.02 / w, y = r - m * g / k;
+    SceneBuilder b;
+    b.wall("floor", {{-100, 0}, {0.1, 0}, {0.4, 0}, {0.7, 0}, {100, 0}})
+        .grain(r, {0, y}, {2, 0})
+        .stage(smooth_settings(h));
+    SerialRun run(with_springs(b));
+    while (run.grain(0).x[0] < 1) {
+        run.steps(1);
+        // A step without support: g h², 4e-6 of r.
+        ASSERT_NEAR(run.grain(0).x[1], y, 1e-12 * r) << "at " << run.grain(0).x[0];
+    }
+}
+
 TEST(Smooth, TheTangentialSpringCarriesADiskThatSticks) {
     // The floor starts with V: slip oscillates with w_t = sqrt(3 k_s / m), since a force at the rim moves it by 3 F / m. The
     // spring is stretched most after a quarter of a period, by V / w_t.
