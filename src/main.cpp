@@ -63,16 +63,22 @@ void define_bench(CLI::App& app, nappe::BenchOptions& options) {
     bench
         ->add_option("--grains", options.grains,
                      "sizes to measure [3000,10000,43000,172000,688000,2700000; with --pairs 10000,43000; with "
-                     "--features 43000]")
+                     "--features 43000; with --smooth 3000,10000,43000,100000,1000000]")
         ->type_name("N,N,...");
     auto* pairs =
         bench->add_option("--pairs", options.pairs, "instead: one rank against all, in so many alternating turns")
             ->type_name("N")
             ->check(CLI::Range(1, 100000).description(""));
+    auto* features =
+        bench
+            ->add_flag("--features", options.features,
+                       "instead: what friction, cohesion and all else that a scene may ask for add in bytes and time")
+            ->excludes(pairs);
     bench
-        ->add_flag("--features", options.features,
-                   "instead: what friction, cohesion and all else that a scene may ask for add in bytes and time")
-        ->excludes(pairs);
+        ->add_flag("--smooth", options.smooth,
+                   "instead: what a step of smooth contacts costs; on several ranks also what they save")
+        ->excludes(pairs)
+        ->excludes(features);
     bench->add_option("--json", options.json, "write the figures to this file too")->type_name("FILE");
     bench->add_flag("--quick", options.quick, "one small size and few rounds: whether it works, not how fast it is");
 }

@@ -2,6 +2,7 @@
 
 #include "commands/bench_machine.hpp"
 #include "commands/bench_report.hpp"
+#include "commands/bench_smooth.hpp"
 #include "io/progress.hpp"
 #include "io/summary.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr const char* default_sizes = "3000,10000,43000,172000,688000,2700000";
 constexpr const char* default_pair_sizes = "10000,43000";
 constexpr const char* default_feature_sizes = "43000";
+constexpr const char* default_smooth_sizes = "3000,10000,43000,100000,1000000";
 constexpr std::int64_t most_grains = 100'000'000;
 
 /// How long to measure: enough for medians, little enough for minutes in all.
@@ -179,6 +181,20 @@ void measure_all_features(const Communicator& comm, const BenchOptions& options,
     }
 }
 
+void measure_all_smooth(const Communicator& comm, const BenchOptions& options, Progress& progress,
+                        BenchOutput& output) {
+    const auto sizes =
+        parse_sizes(!options.grains.empty() ? options.grains.c_str() : (options.quick ? "3000" : default_smooth_sizes));
+    const auto block =
+        settle_block(Communicator::alone(), block_grains, effort_for(block_grains, options.quick).settle_steps);
+    std::vector<SmoothFigures> figures;
+    for (const auto grains : sizes) {
+        progress.info(fmt::format("bench: smooth contacts of {} grains", grains));
+        figures.push_back(measure_smooth(comm, block, grains, options.quick ? 3 : 11, options.quick ? 0.005 : 0.2));
+        output.take({smooth_table(figures, comm.size())}, figures.size() == sizes.size());
+    }
+}
+
 void check(const Communicator& comm, const BenchOptions& options) {
     if (!options.grains.empty()) {
         parse_sizes(options.grains);
@@ -215,6 +231,8 @@ ExitCode bench(const Communicator& comm, const BenchOptions& options) {
     const double total = seconds_of([&] {
         if (options.pairs != 0) {
             measure_all_pairs(comm, options, progress, output);
+        } else if (options.smooth) {
+            measure_all_smooth(comm, options, progress, output);
         } else if (options.features) {
             measure_all_features(comm, options, progress, output);
         } else {

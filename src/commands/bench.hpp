@@ -18,6 +18,7 @@ struct BenchOptions {
     std::filesystem::path json; ///< FILE; empty: none
     int pairs = 0;              ///< turns of one rank against all; 0: everything else instead
     bool features = false;      ///< what each feature of a scene adds, instead of everything else
+    bool smooth = false;        ///< what a step of smooth contacts costs, instead of everything else
     bool quick = false;         ///< one small size and few rounds: that it works, not how fast it is
 };
 

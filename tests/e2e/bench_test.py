@@ -51,6 +51,21 @@ class Bench(NappeTest):
         self.assertGreater(report["memory"][0]["rebuild_ns_per_grain"], 0)
         self.assertGreater(report["memory"][0]["highest_megabytes"], 1)
 
+    def test_smooth_contacts(self):
+        for ranks in (0, 2):
+            with self.subTest(ranks=ranks):
+                result, report = self.bench("--smooth", ranks=ranks)
+                (row,) = report["smooth"]
+                # Whole steps: of a contact and of a grain they are the same seconds, up to rounding of the mean count.
+                of_step = row["contact_ns"] * row["contacts"] / row["grains"]
+                self.assertAlmostEqual(row["grain_ns"] / of_step, 1, delta=0.01)
+                self.assertGreater(row["contacts"], row["grains"], "a settled pile has two contacts a grain or so")
+                self.assertLessEqual(row["contact_ns_best"], row["contact_ns_low"])
+                self.assertEqual("efficiency" in row, ranks == 2)
+                self.assertTrue(row.get("same_state", True))
+                self.assertNotIn("kernels", report)
+                self.assertIn("ns a contact", result.out)
+
     def test_one_process(self):
         result, report = self.bench()
         self.check_tables(report)
