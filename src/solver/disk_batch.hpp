@@ -138,7 +138,6 @@ struct GrainArrays {
     double *x, *mid, *u, *u_old;
     double* rotation;      ///< nullptr where nothing turns
     const double* damping; ///< C h / 2m and C* h / 2I
-    const double* mass;    ///< [kg]
 };
 
 /// How grains end a step.

@@ -35,7 +35,7 @@ public:
         keeps_gaps_ = substeps > 1 || correcting || smooth_;
     }
 
-    /// Local. From now on, springs and dashpots instead of rigid contacts; to be followed by `set_kept`.
+    /// Local. Springs and dashpots from now on; to be followed by `set_kept`.
     void set_smooth(bool smooth) { smooth_ = smooth; }
 
     // Smooth contacts (disk_pressing.cpp): lanes hold all pairs that may overlap until surfaces may have come nearer by
@@ -45,7 +45,7 @@ public:
     PackFaults gather_near(const State<2>& state, CandidateSet<2>& candidates, const Walls<2>& walls, double h,
                            double near);
     bool uniform_springs() const { return laws_.uniform_springs; } ///< SmoothStep::uniform
-    bool fresh() const { return fresh_; } ///< lists or springs are new: gather_near has to be called
+    bool fresh() const { return fresh_; }                          ///< gather_near has to be called
     /// Local. Cundall's forces of one tile (DiskKernels::press). @param faults of its contacts with walls are added
     SmoothTally press(std::size_t tile, const State<2>& state, const CandidateSet<2>& candidates, const Walls<2>& walls,
                       const SmoothStep& step, PackFaults& faults);
@@ -110,8 +110,7 @@ public:
     void relax_single(std::size_t tile, std::size_t next, std::vector<BodyVelocity<2, float>>& u);
     /// Local. The impulses of a tile's copies become its own, u follows.
     void settle_single(std::size_t tile, std::vector<BodyVelocity<2>>& u);
-    /// By one sweep in single precision, without bodies.
-    std::size_t bytes_swept_single() const;
+    std::size_t bytes_swept_single() const; ///< by one sweep in single precision, without bodies
 
     void apply(std::size_t tile, std::vector<BodyVelocity<2>>& u) {
         kernels_->apply(span(ranges_[tile]), u.data()->v.data());
@@ -225,8 +224,7 @@ public:
         f("tangent_after", tangent_after_);
     }
 
-    /// By one sweep, without bodies.
-    std::size_t bytes_swept() const;
+    std::size_t bytes_swept() const; ///< by one sweep, without bodies
     const DiskKernels& kernels() const { return *kernels_; }
     const char* instruction_set() const { return kernels_->name; }
 

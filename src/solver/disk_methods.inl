@@ -14,8 +14,13 @@ struct Gathered {
 };
 
 NAPPE_INLINE Gathered gather_contacts(const DiskBatch& batch, int l, const double* u) {
-    Gathered c{gather(u, batch.a + l), gather(u, batch.b + l), load(batch.nx + l), load(batch.ny + l),
-               load(batch.m_eff + l), {}, {}};
+    Gathered c{gather(u, batch.a + l),
+               gather(u, batch.b + l),
+               load(batch.nx + l),
+               load(batch.ny + l),
+               load(batch.m_eff + l),
+               {},
+               {}};
     const Lane dvx = c.a.x - c.b.x, dvy = c.a.y - c.b.y;
     c.v_n = c.nx * dvx + c.ny * dvy;
     c.v_t = (c.nx * dvy - c.ny * dvx) - (c.a.s + c.b.s);

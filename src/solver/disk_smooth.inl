@@ -275,7 +275,7 @@ NAPPE_INLINE void close_one(const GrainArrays& grains, std::int64_t i, double h,
         grains.rotation[i] += h * u[2] / grains.mid[4 * i + 2];
     }
     const double v2 = u[0] * u[0] + u[1] * u[1];
-    const double m = grains.mass[i];
+    const double m = 1 / u[3];
     met.fastest_squared = v2 > met.fastest_squared ? v2 : met.fastest_squared;
     met.zeros += (v2 + u[2]) * 0;
     met.kinetic += 0.5 * m * (v2 + 0.5 * (u[2] * u[2])); // I = m r²/2
@@ -345,7 +345,7 @@ NAPPE_INLINE std::int64_t close_some(const GrainArrays& grains, std::int64_t beg
         const Lane v2 = u.x * u.x + u.y * u.y;
         fastest = v2 > fastest ? v2 : fastest;
         zeros += (v2 + u.s) * zero;
-        const Lane m = load_loose(grains.mass + i);
+        const Lane m = one / u.w;
         kinetic += 0.5 * m * (v2 + 0.5 * (u.s * u.s));
         px += m * u.x;
         py += m * u.y;

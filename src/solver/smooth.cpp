@@ -55,8 +55,7 @@ GrainArrays Simulation<D>::grain_arrays() {
             state_.u.data()->v.data(),
             state_.u_old.data()->v.data(),
             state_.carries.turning ? state_.rotation.data()->data() : nullptr,
-            &damping_.data()->a,
-            state_.mass.data()};
+            &damping_.data()->a};
 }
 
 /// The pass: all grains move, and springs are those of the step's end.
