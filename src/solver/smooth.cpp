@@ -177,7 +177,7 @@ bool Simulation<D>::smooth_substep(const Solve& asked) {
         PackFaults faults;
         press(h, moved, faults);
         std::uint32_t flags = asked.outside | (may_have_grown(h, moved) ? flag::grown : 0);
-        stands = !nothing_to_look_for(h, moved) || faults.through_wall != PackFaults::none || of_scale;
+        stands = !nothing_to_look_for(h, moved) || faults.through_wall != PackFaults::none;
         if (stands) {
             step_back();
             flags |= look_closely(h, faults);

@@ -18,7 +18,7 @@ constexpr double round_up = 1 + 1e-9; // of a bound, for what its sums have lost
 /// Gaps from which on pairs do without a lane [m]: the fewer have one, the sooner the others are looked at again.
 template <int D>
 double Simulation<D>::near_gap() const {
-    constexpr double steps = 64, least = 1.0 / 256, most = 1.0 / 8; // of the skin
+    constexpr double steps = 32, least = 1.0 / 256, most = 1.0 / 8; // of the skin
     const double wanted = steps * bounds_.pace;
     return wanted < least * skin_ ? least * skin_ : wanted > most * skin_ ? most * skin_ : wanted;
 }
