@@ -8,7 +8,14 @@
 #include <new>
 
 // Sanitizers have their own.
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__has_feature)
+#define NAPPE_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define NAPPE_SANITIZED 1
+#else
+#define NAPPE_SANITIZED 0
+#endif
+#if defined(__linux__) && !NAPPE_SANITIZED
 
 namespace {
 
@@ -20,7 +27,7 @@ void* allocate(std::size_t size, std::size_t align) {
     const bool large = size >= least;
     const std::size_t unit = large && align < huge ? huge : align;
     const std::size_t whole = (size + unit - 1) / unit * unit;
-    void* const p = std::aligned_alloc(unit, whole > 0 ? whole : unit);
+    void* const p = whole < size ? nullptr : std::aligned_alloc(unit, whole > 0 ? whole : unit);
     if (p == nullptr) {
         throw std::bad_alloc();
     }

@@ -37,7 +37,11 @@ public:
             of_walls_[static_cast<std::size_t>(wall.material)] = true;
         }
         if (!scene.sample) {
-            most_ = static_cast<double>(scene.grains.size() + scene.walls.size()) - 1;
+            std::size_t others = scene.grains.size() - 1;
+            for (const auto& wall : scene.walls) { // each of its segments may touch
+                others += wall.points.size() - 1;
+            }
+            most_ = static_cast<double>(others);
         }
     }
 

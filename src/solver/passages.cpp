@@ -39,18 +39,20 @@ void Simulation<D>::fail_of_passage(const std::string& where) const {
     }
     const auto partner = -comm_.max(-(mine ? passage_.hi : Passage::none));
     throw NumericalFailure(fmt::format("the centre of one of the grains {} and {} came into the other, or went through "
-                                       "it, in {}, at {}; take a smaller solver.h if they are fast, more solver.sweeps "
-                                       "if they are pressed together",
-                                       who, partner, where, place_of(who)));
+                                       "it, in {}, at {}; take a smaller solver.h if they are fast, {} if they are "
+                                       "pressed together",
+                                       who, partner, where, place_of(who),
+                                       smooth() ? "a larger k_n of their law" : "more solver.sweeps"));
 }
 
 /// @param name of the wall on the rank that has grain `who`, "" elsewhere
 template <int D>
 void Simulation<D>::throw_through_wall(GlobalId who, const std::string& name, const std::string& where) const {
     throw NumericalFailure(fmt::format(
-        "the centre of grain {} went through wall '{}' in {}, at {}: overlaps grow without bound there; take more "
-        "solver.sweeps or a smaller solver.h, or, if walls close on the grain, leave it room: no impulse solves that",
-        who, comm_.first_error(name), where, place_of(who)));
+        "the centre of grain {} went through wall '{}' in {}, at {}: overlaps grow without bound there; take {} or a "
+        "smaller solver.h, or, if walls close on the grain, leave it room: no impulse solves that",
+        who, comm_.first_error(name), where, place_of(who),
+        smooth() ? "a larger k_n of the law with that wall" : "more solver.sweeps"));
 }
 
 template class Simulation<2>;

@@ -128,7 +128,8 @@ void Simulation<D>::press(double h, Moved& moved, PackFaults& faults) {
     ++counters_.sweeps;
 }
 
-/// Grains are where the step found them, with the velocities that it ends with.
+/// Grains are where the step found them, with the velocities that it ends with; what it found of contacts is stored, since
+/// `mid` will follow the grains.
 template <int D>
 void Simulation<D>::step_back() {
     for (LocalId i = 0; i < state_.n_held(); ++i) {
@@ -139,6 +140,7 @@ void Simulation<D>::step_back() {
             state_.rotation[i][0] = state_.mid[i].rotation;
         }
     }
+    settle_records();
 }
 
 /// What the last smooth step found of its contacts and did not store. Until then `mid` is where they were found.

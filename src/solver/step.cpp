@@ -319,6 +319,7 @@ std::uint32_t Simulation<D>::check(double h, int n, const PackFaults& faults, co
 template <int D>
 void Simulation<D>::integrate(double h) {
     const auto lap = watch_.lap(Timed::integrate);
+    NAPPE_ASSERT(!records_stale_, "contacts are to be recorded before mid follows the grains");
     const double later = h * settings().theta;
     const double before = h * (1 - settings().theta);
     for (LocalId i = 0; i < state_.n_held(); ++i) {

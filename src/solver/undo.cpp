@@ -28,6 +28,7 @@ void Simulation<D>::keep_impulses() const {
         return;
     }
     undo_.kept = true;
+    undo_.kept_h = impulse_h_;
     undo_.r_n = candidates_.r_n;
     undo_.r_t = candidates_.r_t;
 }
@@ -39,9 +40,10 @@ void Simulation<D>::put_springs_back() {
     if (undo_.kept) {
         candidates_.r_n = undo_.r_n;
         candidates_.r_t = undo_.r_t;
+        impulse_h_ = undo_.kept_h;
     }
+    rescale_impulses(undo_.clock.impulse_h);
     contacts_.forget();
-    impulse_h_ = undo_.clock.impulse_h;
 }
 
 /// **Collective.** Before lists are renewed within the step.
@@ -136,6 +138,8 @@ void Simulation<D>::redo_with_lists(double h) {
     std::copy(state_.u_old.begin(), state_.u_old.end(), state_.u.begin());
     renew_lists();
     find_bonds();
+    undo_.kept = undo_.kept && !smooth(); // by candidate; there is a snapshot now
+    undo_.packed = undo_.packed && !smooth();
 }
 
 template bool Simulation<2>::give_up(int) const;

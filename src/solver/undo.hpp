@@ -20,6 +20,7 @@ struct Undo {
     /// Packing leaves the impulses that a step starts from with their candidates; here they are, by candidate, once others
     /// have been stored there.
     bool kept = false;
+    double kept_h = 0; ///< (sub)step that they are of [s]
     std::vector<double> r_n;
     std::vector<std::array<double, D - 1>> r_t;
     std::optional<Snapshot<D>> snapshot;

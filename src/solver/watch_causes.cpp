@@ -89,14 +89,17 @@ std::string Simulation<D>::cause(Watched what, double growth) const {
     case Watched::overlap: {
         const Suspect s = worst(gauge_.deep);
         return fmt::format("{} overlap by {:.3g} of the smaller radius at the end of {}, beyond watch.overlap.limit = "
-                           "{}; take more solver.sweeps, a smaller solver.h or more solver.substeps",
-                           named(s), s.measure, where(), watch.overlap.limit);
+                           "{}; take {}",
+                           named(s), s.measure, where(), watch.overlap.limit,
+                           smooth() ? "a larger k_n of their law"
+                                    : "more solver.sweeps, a smaller solver.h or more solver.substeps");
     }
     case Watched::energy:
         return fmt::format(
             "energy grew without work in {}, by {:.3g} of the energies of watch.energy, beyond its limit "
-            "of {}, most of it between {}; take more solver.sweeps or a smaller solver.h",
-            where(), growth, watch.energy.limit, named(worst(driver())));
+            "of {}, most of it between {}; take {}",
+            where(), growth, watch.energy.limit, named(worst(driver())),
+            smooth() ? "a smaller solver.h" : "more solver.sweeps or a smaller solver.h");
     case Watched::residual: {
         const Suspect s = worst(least_solved());
         return fmt::format("the residual has been above solver.tolerance = {} in {} steps in a row, up to {}: it is "

@@ -8,7 +8,7 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
-from gas_of_springs import gas  # noqa: E402
+from gas_of_springs import gas, row  # noqa: E402
 from nappe_driver import SCENES, main, sets  # noqa: E402
 from same_files import SameFiles  # noqa: E402
 from smooth_keys import SMOOTH  # noqa: E402
@@ -161,6 +161,13 @@ class SameBits(SameFiles):
                 for n, run in self.runs(scene, (2, 3, 5, 7)):
                     self.assertGreater(run.summary["rebuilds"], 100)
                     self.assertEqual(len(set(owners(run.out / "frames/frame-00000000.hdf"))), n, "a rank is idle")
+
+    def test_frames_of_springs(self):
+        # What frames say of contacts does not depend on which rank had a reason to look at a step closely.
+        scene = self.folder / "row.toml"
+        scene.write_text(row(40))
+        for n, run in self.runs(scene, (2, 3, 5, 7)):
+            self.assertEqual(len(list((run.out / "frames").glob("*.hdf"))), 201)
 
     def partners_of_last(self, run, n):
         """The most that each of the last n grains touched in some frame."""

@@ -14,6 +14,17 @@ c_s = 0.0
 """
 
 
+def row(n):
+    """Text of the scene: a row of disks that press each other, one of them with a push, nothing to stop what goes through
+    it: energy seems to grow here and shrink there. A frame each step."""
+    text = 'title = "row"\n[world]\ngravity = [0, 0]\n[materials.rock]\ndensity = 2000\n' + LAW.format(other="rock")
+    for i in range(n):
+        text += f'[[grains]]\nmaterial = "rock"\nradius = 0.05\nposition = [{0.0995 * i:.4f}, 0]\n'
+        text += f"velocity = [{1.0 if i == 0 else 0.0}, 0]\n"
+    text += '[[stages]]\nname = "push"\nduration = 0.02\nsolver = { method = "cundall", h = 1e-4 }\n[solver]\nh = 1e-4\n'
+    return text + "[output]\nseries = { every = 1 }\nframes = { every = 1 }\n[tiles]\nside = 0.25\nskin = 0.02\n"
+
+
 def gas(columns, rows, spacing, seed):
     """Text of the scene. @param spacing of the lattice that somewhat more than half of the disks stand on, over their
     largest radius"""

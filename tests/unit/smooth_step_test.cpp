@@ -69,6 +69,13 @@ TEST(SmoothStep, CountsAsManyContactsAsThereIsRoomFor) {
     EXPECT_NEAR(stable(10 * r, 20) / (2 / std::sqrt(12 * k / m)), 1, round_off) << "no large one is as fast";
 }
 
+TEST(SmoothStep, CountsThePiecesOfAWall) {
+    // One disk, and three segments that it may touch at once: 3 k on its mass.
+    SceneBuilder b(0);
+    b.grain(r, {0, 0}).wall("box", {{-r, 2 * r}, {-r, -r}, {r, -r}, {r, 2 * r}});
+    EXPECT_NEAR(smooth_bounds(with_springs(b, k, 0, 0, 1)).stable / (2 / std::sqrt(3 * k / m_disk)), 1, round_off);
+}
+
 TEST(SmoothStep, WarnsOfWhatIsNotUnstable) {
     const double m = m_disk, inertia = 0.5 * m * r * r, critical = 2 * std::sqrt(m / k);
     const auto said = [critical](double share, double c_spin, bool unsafe = false) {

@@ -349,21 +349,52 @@ TEST_F(DoneAgain, SpringsAreStretchedOnceWhereListsFallShort) {
     EXPECT_GT(seen, 3) << "no step was done again: the case is none";
 }
 
-TEST_F(DoneAgain, SpringsAreStretchedOnceWhereStepsAreDivided) {
-    // So fast that tiles allow it in half a step only.
-    b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
-    auto scene = with_springs(b_, k_s);
+/// So fast that tiles allow it only in steps divided `times`.
+Scene<2> with_a_fast_grain(Scene<2> scene, double h, double times) {
     scene.tiles.side = 4;
-    scene.grains[1].velocity = {1.2 * (4 / 4.0 - r) / h, 0};
+    scene.grains[1].velocity = {0.6 * times * (4 / 4.0 - r) / h, 0};
     scene.watch.failure = WatchSettings<2>::Then::substep;
-    SerialRun run(scene);
-    for (int n = 0; n < 60; ++n) {
-        run.steps(1);
-        if (n > 20) {
-            expect_stretched_once(run, 0.5 * h);
+    return scene;
+}
+
+TEST_F(DoneAgain, SpringsAreStretchedOnceWhereStepsAreDivided) {
+    b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
+    for (const int times : {2, 4, 8}) {
+        SerialRun run(with_a_fast_grain(with_springs(b_, k_s), h, times));
+        for (int n = 0; n < 60; ++n) {
+            run.steps(1);
+            if (n > 20) {
+                expect_stretched_once(run, h / times);
+            }
         }
+        EXPECT_GT(run.simulation().watcher().memory().divided_steps, 30) << "no step was divided: the case is none";
+        EXPECT_EQ(run.simulation().watcher().memory().most_substeps, times);
     }
-    EXPECT_GT(run.simulation().watcher().memory().divided_steps, 30) << "no step was divided: the case is none";
+}
+
+TEST_F(DoneAgain, SpringsAreThoseOfTheStartWhereNoDivisionHelps) {
+    b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
+    auto scene = with_a_fast_grain(with_springs(b_, k_s), h, 1);
+    scene.watch.max_substeps = 8;
+    SerialRun run(scene);
+    run.steps(20);
+    auto rows = run.simulation().grain_rows();
+    for (auto& row : rows) { // a push that eight substeps do not tell apart
+        row.v[0] = row.id == 1 ? 100 * row.v[0] : row.v[0];
+    }
+    auto& simulation = run.simulation();
+    simulation.load(rows, simulation.contact_rows(), h);
+    simulation.start_stage(0);
+    const auto springs = simulation.contact_rows();
+    EXPECT_THROW(simulation.step(), NumericalFailure);
+    ASSERT_TRUE(simulation.undo_step());
+    const auto after = simulation.contact_rows();
+    ASSERT_EQ(after.size(), springs.size());
+    ASSERT_GT(springs.size(), 0u);
+    for (std::size_t k = 0; k < springs.size(); ++k) {
+        EXPECT_EQ(after[k].r_t[0], springs[k].r_t[0]);
+        EXPECT_NE(springs[k].r_t[0], 0);
+    }
 }
 
 /// Grains that fall on each other between walls, tiles as small as they may be.
