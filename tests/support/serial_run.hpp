@@ -1,5 +1,6 @@
 #pragma once
-// A scene on one rank, stepped by a test. Needs an MpiSession: tests/mpi_main.cpp has it, so say RANKS 1 in CMakeLists.txt.
+// A scene stepped by a test, on one rank or on all. Needs an MpiSession: tests/mpi_main.cpp has it, so say RANKS in
+// CMakeLists.txt.
 
 #include "core/initial_grains.hpp"
 #include "parallel/communicator.hpp"
@@ -20,13 +21,14 @@ inline double disk_mass(double radius, double density = 2800) {
     return density * std::numbers::pi * radius * radius;
 }
 
-/// Local, all of it: its communicator is MPI_COMM_SELF.
+/// Local, all of it, unless told otherwise: its communicator is MPI_COMM_SELF. With another one all is collective, and
+/// what is asked for comes from all ranks, but for `simulation` and `state`.
 class SerialRun {
 public:
     /// At the start of stage 0. @param kernel "portable", "avx2", "avx512"; nullptr: the fastest
-    explicit SerialRun(const Scene<2>& scene, const char* kernel = nullptr)
-        : comm_(MPI_COMM_SELF), simulation_(comm_, scene, disk_kernels(kernel)) {
-        simulation_.load(initial_grains(scene), {}, step_of(0));
+    explicit SerialRun(const Scene<2>& scene, const char* kernel = nullptr, MPI_Comm comm = MPI_COMM_SELF)
+        : comm_(comm), simulation_(comm_, scene, disk_kernels(kernel)) {
+        simulation_.load(comm_.is_root() ? initial_grains(scene) : std::vector<GrainRow<2>>{}, {}, step_of(0));
         simulation_.start_stage(0);
     }
 
@@ -45,8 +47,10 @@ public:
         simulation_.start_stage(0);
     }
 
+    std::vector<GrainRow<2>> grains() const { return comm_.all_gather(simulation_.grain_rows()); }
+
     GrainRow<2> grain(GlobalId id) const {
-        const auto rows = simulation_.grain_rows();
+        const auto rows = grains();
         const auto it = std::find_if(rows.begin(), rows.end(), [id](const auto& row) { return row.id == id; });
         if (it == rows.end()) {
             throw std::logic_error("no grain " + std::to_string(id) + " in this run");
@@ -62,7 +66,7 @@ public:
 
     /// Contacts that carried an impulse in the last step, be it a pull, by (lo, hi).
     std::vector<FrameContact<2>> loaded_contacts() const {
-        auto rows = frame_contacts(simulation_);
+        auto rows = comm_.all_gather(frame_contacts(simulation_));
         std::erase_if(rows, [](const auto& row) { return row.r_n == 0; });
         std::sort(rows.begin(), rows.end(),
                   [](const auto& p, const auto& q) { return p.lo != q.lo ? p.lo < q.lo : p.hi < q.hi; });

@@ -27,6 +27,12 @@ Scene<2>& with_springs(SceneBuilder& b, double k_s = 0, double c_n = 0, double c
     return b.scene();
 }
 
+/// On all ranks that the test runs on. Tests of thousands of steps take SerialRun: each rank runs them whole.
+class WorldRun : public SerialRun {
+public:
+    explicit WorldRun(const Scene<2>& scene) : SerialRun(scene, nullptr, MPI_COMM_WORLD) {}
+};
+
 /// What central differences keep of an oscillation: w² x² + v_- v_+, x a position and v_-, v_+ the velocities half a step
 /// before and after it.
 double kept(double w2, double x, double before, double after) {
@@ -38,7 +44,7 @@ TEST(Smooth, PairBouncesInTheTimeOfHalfAnOscillation) {
     const double w = std::sqrt(2 * k / m), h = 0.01 / w, v0 = 0.1;
     SceneBuilder b;
     b.gravity(0, 0).grain(r, {0, 0}, {v0, 0}).grain(r, {2 * r + 0.5 * h * v0, 0}).stage(smooth_settings(h));
-    SerialRun run(with_springs(b));
+    WorldRun run(with_springs(b));
     int touching = 0, n = 0;
     do {
         run.steps(1);
@@ -79,7 +85,7 @@ TEST(Smooth, CriticalDashpotsAreTheDefaultAndStopAPair) {
     for (auto& law : b.scene().laws) {
         law.springs = Springs{{k}, {0}};
     }
-    SerialRun run(b.scene());
+    WorldRun run(b.scene());
     const double t = 5 / w;
     run.steps(static_cast<int>(std::lround(t / h)));
     // x = v0 t exp(-w t), zeta = 1: the overlap never ends, and dies out.
@@ -95,7 +101,7 @@ TEST(Smooth, SpringsTooSoftToKeepGrainsApartAreRefusedUnlessUnsafe) {
         auto settings = smooth_settings(h);
         settings.unsafe = unsafe;
         b.gravity(0, 0).grain(r, {0, 0}, {v0, 0}).grain(r, {2 * r, 0}).stage(settings);
-        SerialRun run(with_springs(b));
+        WorldRun run(with_springs(b));
         if (unsafe) {
             run.steps(600);
             EXPECT_GT(run.grain(0).x[0], run.grain(1).x[0]) << "it has gone through";
@@ -115,7 +121,7 @@ TEST(Smooth, TheTangentialDashpotGoesByTheNormalStiffnessUnlessGiven) {
     for (auto& law : b.scene().laws) {
         law.springs = Springs{{k}, {0}};
     }
-    SerialRun run(b.scene());
+    WorldRun run(b.scene());
     run.steps(1);
     EXPECT_NEAR((v0 - run.grain(0).v[0]) / v0, h * 2 * w, 1e-9);
 }
@@ -158,7 +164,7 @@ TEST(Smooth, AnOscillatorKeepsItsEnergyAndPeriodForAThousandPeriods) {
 TEST(Smooth, StableBelowTheCriticalStepAndNotAbove) {
     const double critical = 2 * std::sqrt(m / k), overlap = m * g / k;
     const auto farthest = [&](double share, int n) {
-        SerialRun run(resting(share * critical, 1e-6));
+        WorldRun run(resting(share * critical, 1e-6));
         double most = 0;
         for (int i = 0; i < n; ++i) {
             run.steps(1);
@@ -200,9 +206,9 @@ TEST(Smooth, NoOscillationOfAPackingGrowsUpToTheStepThatIsAsked) {
             double first = 0, most = 0;
             for (int n = 0; n < 2000 && most < 1e3 * first + (n < 2 ? 1 : 0); ++n) {
                 double energy = 0;
-                for (LocalId i = 0; i < run.state().n_own; ++i) {
-                    const auto& u = run.state().u[i];
-                    energy += 0.5 * m * (u.v[0] * u.v[0] + u.v[1] * u.v[1] + 0.5 * u.s[0] * u.s[0]);
+                for (const auto& row : run.grains()) {
+                    const double rim = row.radius * row.spin[0];
+                    energy += 0.5 * m * (row.v[0] * row.v[0] + row.v[1] * row.v[1] + 0.5 * rim * rim);
                 }
                 first = n == 0 ? energy : first;
                 most = std::max(most, energy);
@@ -244,7 +250,7 @@ TEST(Smooth, FrictionSlidesAtItsLimit) {
     const double mu = 0.3, v0 = 5, w = std::sqrt(k / m), h = 0.02 / w;
     SceneBuilder b(mu);
     b.floor(1000).grain(r, {0, r - m * g / k}, {v0, 0}).stage(smooth_settings(h));
-    SerialRun run(with_springs(b, k, 0, 2 * std::sqrt(m * k)));
+    WorldRun run(with_springs(b, k, 0, 2 * std::sqrt(m * k)));
     const int n = 200;
     run.steps(n);
     // In the first step the dashpot alone is at the limit already.
@@ -262,7 +268,7 @@ TEST(Smooth, AFloorInPiecesCarriesAsOne) {
     b.wall("floor", {{-100, 0}, {0.1, 0}, {0.4, 0}, {0.7, 0}, {100, 0}})
         .grain(r, {0, y}, {2, 0})
         .stage(smooth_settings(h));
-    SerialRun run(with_springs(b));
+    WorldRun run(with_springs(b));
     while (run.grain(0).x[0] < 1) {
         run.steps(1);
         // A step without support: g h², 4e-6 of r.
@@ -280,7 +286,7 @@ TEST(Smooth, TheTangentialSpringCarriesADiskThatSticks) {
     along.velocity = {speed, 0};
     b.moving_wall("floor", {{-100, 0}, {100, 0}}, along);
     b.grain(r, {0, r - m * g / k}).stage(smooth_settings(h));
-    SerialRun run(with_springs(b, k_s));
+    WorldRun run(with_springs(b, k_s));
     double most = 0, t_most = 0;
     for (int n = 1; n * w_t * h < 4; ++n) {
         run.steps(1);
@@ -308,7 +314,7 @@ protected:
 
     /// The spring of what sticks is stretched by the way of the floor under the rim, however often steps were done.
     /// Springs go by velocities of half a step ago: by positions where the last (sub)step began.
-    void expect_stretched_once(SerialRun& run, double last) {
+    void expect_stretched_once(WorldRun& run, double last) {
         const double h = run.simulation().settings().h / run.simulation().settings().substeps;
         const auto disk = run.grain(0);
         const double slip = disk.x[0] + r * disk.rotation[0] - run.simulation().walls().offset[0][0] -
@@ -336,7 +342,7 @@ TEST_F(DoneAgain, SpringsAreStretchedOnceWhereListsFallShort) {
     auto scene = with_springs(b_, k_s);
     scene.tiles.skin = 1e-5;
     scene.tiles.lookahead = 0.1;
-    SerialRun run(scene);
+    WorldRun run(scene);
     int seen = 0;
     for (int n = 0; n < 60; ++n) {
         const auto before = run.simulation().counters().redone_lists;
@@ -360,7 +366,7 @@ Scene<2> with_a_fast_grain(Scene<2> scene, double h, double times) {
 TEST_F(DoneAgain, SpringsAreStretchedOnceWhereStepsAreDivided) {
     b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
     for (const int times : {2, 4, 8}) {
-        SerialRun run(with_a_fast_grain(with_springs(b_, k_s), h, times));
+        WorldRun run(with_a_fast_grain(with_springs(b_, k_s), h, times));
         for (int n = 0; n < 60; ++n) {
             run.steps(1);
             if (n > 20) {
@@ -376,7 +382,7 @@ TEST_F(DoneAgain, SpringsAreThoseOfTheStartWhereNoDivisionHelps) {
     b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
     auto scene = with_a_fast_grain(with_springs(b_, k_s), h, 1);
     scene.watch.max_substeps = 8;
-    SerialRun run(scene);
+    WorldRun run(scene);
     run.steps(20);
     auto rows = run.simulation().grain_rows();
     for (auto& row : rows) { // a push that eight substeps do not tell apart
@@ -385,10 +391,10 @@ TEST_F(DoneAgain, SpringsAreThoseOfTheStartWhereNoDivisionHelps) {
     auto& simulation = run.simulation();
     simulation.load(rows, simulation.contact_rows(), h);
     simulation.start_stage(0);
-    const auto springs = simulation.contact_rows();
+    const auto springs = simulation.comm().all_gather(simulation.contact_rows());
     EXPECT_THROW(simulation.step(), NumericalFailure);
     ASSERT_TRUE(simulation.undo_step());
-    const auto after = simulation.contact_rows();
+    const auto after = simulation.comm().all_gather(simulation.contact_rows());
     ASSERT_EQ(after.size(), springs.size());
     ASSERT_GT(springs.size(), 0u);
     for (std::size_t k = 0; k < springs.size(); ++k) {
