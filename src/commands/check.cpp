@@ -27,6 +27,9 @@ namespace {
 constexpr double solid_fraction = 0.83;
 constexpr double contacts_per_grain = 2.1;
 constexpr double candidates_per_grain = 2.9;
+// Deposits of radii that differ more hold more than that: 4 to 5 % more at 3 times, 22 % at 5, 130 % at 10 (3 m², radii
+// up to 0.025 m): small disks also fill holes.
+constexpr double similar_radii = 3;
 
 /// [m²]
 double mean_grain_area(const RadiusLaw& radii) {
@@ -47,6 +50,13 @@ std::string bytes_text(double bytes) {
         ++unit;
     }
     return fmt::format("{:.3g} {}", bytes, units[unit]);
+}
+
+/// By what a deposit's number of grains is estimated, and where that falls short.
+std::string grains_doubt(const Sample<2>& sample) {
+    const bool similar = sample.radii.max <= similar_radii * sample.radii.min;
+    return fmt::format(" (solid fraction {}{})", solid_fraction,
+                       similar ? "" : "; more, since small ones also fill holes between large ones");
 }
 
 std::string solver_text(const SolverSettings& solver) {
@@ -255,8 +265,7 @@ std::string describe(const Scene<2>& scene, const CostModel& cost, int ranks) {
     describe_contents(scene, out);
     describe_fields(features_of(scene), out);
     fmt::format_to(out, "\nestimates, without the stages that settle\n");
-    fmt::format_to(out, "grains     {:.0f}{}\n", e.grains,
-                   known_size(scene) ? "" : fmt::format(" (solid fraction {})", solid_fraction));
+    fmt::format_to(out, "grains     {:.0f}{}\n", e.grains, known_size(scene) ? "" : grains_doubt(*scene.sample));
     fmt::format_to(out, "contacts   {:.0f} that touch, {:.0f} candidates\n", e.contacts, e.candidates);
     fmt::format_to(out, "memory     {} in all, {} a rank on {}\n", bytes_text(e.memory), bytes_text(e.memory / ranks),
                    ranks);

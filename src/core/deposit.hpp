@@ -23,8 +23,11 @@ inline constexpr double most_deposited = 1e9; // messages say so too
 /// it takes the one of the least height + random part of half the largest radius (deposit_sites.hpp says why), heights
 /// compared at the mean radius of its size class, a fiftieth of the largest radius wide; ties go to the pair of
 /// supports placed first. A radius that fits nowhere is left out; 1000 of those in a row, or no place left for any
-/// radius, end the filling. So all radii drawn are placed, but for the few that meet a full profile: the law of radii
-/// is kept.
+/// radius, end the filling. So all radii drawn are placed until the profile is full to its top; from then on only those
+/// that fit in a hole that is left, at any depth. The law of radii is kept if those are few, which is so where no radius
+/// is much smaller than another: of 3 m² and radii up to 0.025 m the mean radius is 0.992 of the law's for a smallest
+/// radius of 1/2 of the largest, 0.982 for 1/3, 0.964 for 1/4, and 0.911 for 1/5, where of eight equal classes of radius
+/// the smallest has over twice the disks of each of the others but the next (859, 453, 389, 452, 390, 395, 383, 381).
 ///
 /// `density` [kg/m³] gives the masses; `gravity` [m/s²] gives what is low, its length does not matter. Heights of
 /// layers are measured against it: for gravity along −y, layer_tops are values of y.

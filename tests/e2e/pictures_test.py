@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from matplotlib.colors import to_hex
@@ -135,6 +136,26 @@ def check_fields(root, folder, out):
     assert "no picture solver of several runs" in printed, printed
 
 
+def check_impact_panels(impact, out):
+    """Times below the lowest panel of each column, whatever the number of runs; rocks are in view as a whole."""
+    from nappe_plot import run, views
+
+    drawn = []
+    with mock.patch.object(impact.style, "save", lambda figure, path, dpi: drawn.append(figure)):
+        for n in (2, 3):
+            list(impact.draw_gauges_compared(views.of_several([run.Run(out)] * n, "abc"[:n]), out))
+        list(impact.draw_impact(run.Run(out), [0], out))
+
+    def has_times(axis):
+        return axis.xaxis.label.get_visible() and any(label.get_visible() for label in axis.get_xticklabels())
+
+    told = [[has_times(axis) for axis in figure.axes] for figure in drawn[:2]]
+    assert told == [[True, True], [False, True, True, False]], told
+    frame = run.Run(out).frame(0)
+    top = drawn[2].axes[0].get_ylim()[1]
+    assert (frame.x[:, 1] + frame.radius).max() < top, (frame.x[-1], top)
+
+
 def check_impact(root, nappe, folder):
     """Pictures of two rocks that fall on gauges, and of two such runs."""
     from nappe_plot import impact, palette
@@ -157,6 +178,7 @@ def check_impact(root, nappe, folder):
     printed = run(root / "tools/plot", "--compare", out, out, "--labels", "a,b", "--only", "gauges,penetration,chains", "--until", 0.05, "--out", both, "--dpi", 80)
     assert printed.splitlines() == [str(both / f"{name}.png") for name in (*IMPACT[:2], "chains")], printed
     check_picture(both / "gauges.png", palette.LINES[:3])
+    check_impact_panels(impact, out)
     # A panel each, of the last frame, as the run's own at that time.
     run(root / "tools/plot", out, "--only", "chains", "--times", "0.06", "--dpi", 80)
     one, two = (imread(folder / "chains.png") for folder in (pictures, both))

@@ -6,6 +6,7 @@
 #include "io/scene_reader.hpp"
 #include "solver/fields.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -84,6 +85,19 @@ TEST(check, grains_of_a_lattice_are_counted) {
     EXPECT_EQ(estimate(scene, {}).grains, 201);
     const auto text = describe(scene, {}, 1);
     EXPECT_NE(text.find("grains     201\n"), std::string::npos) << text;
+}
+
+TEST(check, says_where_a_deposit_has_more_grains_than_by_its_solid_fraction) {
+    const auto line = [](const char* radii) {
+        const auto text =
+            describe(parse_scene(test::sound_scene, "good.toml", {fmt::format("sample.radius={}", radii)}), {}, 1);
+        const auto at = text.find("\ngrains     ", text.find("\nestimates"));
+        return text.substr(at + 1, text.find('\n', at + 1) - at - 1);
+    };
+    EXPECT_TRUE(line(R"({ law = "uniform", min = 0.1, max = 0.3 })").ends_with(" (solid fraction 0.83)"));
+    const auto many = line(R"({ law = "uniform", min = 0.1, max = 0.5 })");
+    EXPECT_TRUE(many.ends_with("(solid fraction 0.83; more, since small ones also fill holes between large ones)"))
+        << many;
 }
 
 } // namespace

@@ -67,6 +67,10 @@ def draw_gauges_compared(views, out):
         axis.set_title(view.label, loc="left")
     for axis in axes.flat[len(views) :]:
         axis.axis("off")
+    lowest = axes.flat[max(len(views) - 2, 0) : len(views)]  # of each column, in the last row or the one above
+    for axis in axes.flat:
+        axis.tick_params(labelbottom=axis in lowest)
+        axis.xaxis.label.set_visible(axis in lowest)
     axes[0, 0].legend(loc="upper right")
     yield style.save(figure, out / "gauges.png", style.DPI_CURVES)
 
@@ -140,7 +144,8 @@ def draw_impact(run, chosen, out):
     window = grains.whole(frames)
     top = max((frame.x[mask, 1] + frame.radius[mask]).max() for frame, mask in zip(frames, small))
     depth = 0.35 * top
-    window = grains.Window(*window.x, -1.15 * depth, min(window.y[1], 1.6 * top))
+    rocks = [(frame.x[~mask, 1] + frame.radius[~mask]).max(initial=0) for frame, mask in zip(frames, small)]
+    window = grains.Window(*window.x, -1.15 * depth, min(window.y[1], max(1.6 * top, 1.05 * max(rocks))))
     rows = [pressure[np.argmin(abs(time - frame.time))] for frame in frames]
     largest = max(np.max(rows), 1e-9)
     figure, axes = layers.stack([window] * len(frames), key_height=1.1)

@@ -5,8 +5,9 @@
 BED = ["#5a3524", "#ecca8d", "#a63d2a", "#f4e6cb", "#2e5a78", "#e2a83c", "#74301f", "#f0dcb4", "#2f7a74", "#cdbfdc"]
 ABOVE_BED = "#a39e96"  # the wedge: no sand of the bed is grey
 
-# Okabe and Ito's colours, told apart in every common form of colour blindness; the yellow is too pale for a line.
-LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"]
+# Okabe and Ito's colours, told apart in every common form of colour blindness; for their yellow, too pale for a line, a brown
+# that is as far from each of the others as they are from each other.
+LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#6b4423"]
 
 INK = "#222222"
 WALL = "#333333"

@@ -47,7 +47,7 @@ def runs(results):
         summary = result.summary or {}
         rows.append([one.name, f"{100 * depth:.1f}", f"{at:.3f}", f"{100 * result.rebound():.1f}"]
                     + [_at(*result.pressure(name)) for name in GAUGES]
-                    + [*shares, f"{summary.get('overlap_max', float('nan')):.2f}", summary.get("steps", "")])
+                    + [*shares, f"{result.largest_overlap():.2f}", summary.get("steps", "")])
     return _table(head, rows)
 
 

@@ -24,6 +24,7 @@ class Result:
         self.summary = json.loads((folder / "summary.json").read_text()) if (folder / "summary.json").exists() else None
         self.said = (folder / "said.txt").read_text() if (folder / "said.txt").exists() else ""
         self.probe = tables.read(folder / "series" / "probe-block.csv")
+        self.solver = tables.read(folder / "series" / "solver.csv")
         self.energy = tables.read(folder / "series" / "energy.csv")
         self.gauges = {f"P{k}": tables.read(folder / "series" / f"gauge-P{k}.csv") for k in range(1, 6)}
         self._slab = tables.read(folder / "series" / "gauge-slab.csv")
@@ -43,6 +44,10 @@ class Result:
     def end(self):
         """Of the run, or of what there is of it [s]."""
         return float(self.probe["time"][-1])
+
+    def largest_overlap(self):
+        """Of any row of the series, over the smaller radius; nan without the series."""
+        return float(self.solver["overlap_max"].max()) if self.solver is not None else float("nan")
 
     def penetration(self):
         """Deepest [m], when [s], and at the end [m]."""
