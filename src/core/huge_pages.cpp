@@ -8,10 +8,10 @@
 #include <new>
 
 // Sanitizers have their own.
-#if defined(__has_feature)
-#define NAPPE_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) // gcc
 #define NAPPE_SANITIZED 1
+#elif defined(__clang__)
+#define NAPPE_SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
 #else
 #define NAPPE_SANITIZED 0
 #endif
