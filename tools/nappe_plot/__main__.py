@@ -30,7 +30,7 @@ PICTURES = {
     "budget": (_views(budget.draw), "energy budget (output.measures.energy)"),
     "gauges": (impact.draw_gauges, "gauges of one bin (output.gauges)"),
     "penetration": (impact.draw_fall, "probes (output.probes)"),
-    "impact": (impact.draw_impact, "a gauge with several bins (output.gauges)"),
+    "impact": (impact.draw_impact, "gauge with several bins (output.gauges)"),
 }
 # Of the folder of a matrix of settings (nappe trade).
 TRADE = {"trade": (trade.draw, "settings")}
