@@ -1,29 +1,12 @@
 #include "commands/bench_pairs.hpp"
 
-#include "core/error.hpp"
-
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 
 namespace nappe {
 
 namespace {
-
-/// What rank 0 does by itself; a failure there is one of all ranks.
-void on_root_alone(const Communicator& comm, const std::function<void()>& work) {
-    std::string error;
-    if (comm.is_root()) {
-        try {
-            work();
-        } catch (const NumericalFailure& e) {
-            error = e.what();
-        }
-    }
-    comm.sleepy_barrier();
-    comm.throw_together<NumericalFailure>(error);
-}
 
 /// Seconds that this rank spent on the sweeps of so many steps.
 double swept(Simulation<2>& simulation, int steps) {

@@ -1,6 +1,7 @@
 #include "commands/bench_sample.hpp"
 
 #include "commands/bench_memory.hpp"
+#include "core/error.hpp"
 #include "core/initial_grains.hpp"
 
 #include <algorithm>
@@ -155,6 +156,19 @@ void load_copies(Simulation<2>& simulation, const SettledBlock& block, std::int6
     }
     return_free_memory();
     simulation.start_stage(stage);
+}
+
+void on_root_alone(const Communicator& comm, const std::function<void()>& work) {
+    std::string error;
+    if (comm.is_root()) {
+        try {
+            work();
+        } catch (const NumericalFailure& e) {
+            error = e.what();
+        }
+    }
+    comm.sleepy_barrier();
+    comm.throw_together<NumericalFailure>(error);
 }
 
 } // namespace nappe

@@ -6,6 +6,7 @@
 #include "core/scene.hpp"
 #include "solver/simulation.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace nappe {
@@ -49,5 +50,8 @@ BenchSample repeat_block(const SettledBlock& block, std::int64_t first, std::int
 /// **Collective.** Loads a simulation of bench_scene(n * block.length) with n copies, each rank making its share, and
 /// starts the stage; nothing of the rows stays in memory.
 void load_copies(Simulation<2>& simulation, const SettledBlock& block, std::int64_t n);
+
+/// **Collective.** What rank 0 does by itself; a NumericalFailure there is one of all ranks.
+void on_root_alone(const Communicator& comm, const std::function<void()>& work);
 
 } // namespace nappe

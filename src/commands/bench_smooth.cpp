@@ -1,12 +1,10 @@
 #include "commands/bench_smooth.hpp"
 
-#include "core/error.hpp"
 #include "solver/simulation.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <functional>
 #include <optional>
 
 namespace nappe {
@@ -56,19 +54,6 @@ Spent spent_on_steps(Simulation<2>& simulation, int steps, std::int64_t& touched
     return {seconds, processor_seconds() - before_all};
 }
 
-void on_root(const Communicator& comm, const std::function<void()>& work) {
-    std::string error;
-    if (comm.is_root()) {
-        try {
-            work();
-        } catch (const NumericalFailure& e) {
-            error = e.what();
-        }
-    }
-    comm.sleepy_barrier();
-    comm.throw_together<NumericalFailure>(error);
-}
-
 } // namespace
 
 SmoothFigures measure_smooth(const Communicator& comm, const SettledBlock& block, std::int64_t grains, int rounds,
@@ -85,7 +70,7 @@ SmoothFigures measure_smooth(const Communicator& comm, const SettledBlock& block
     };
     std::optional<Simulation<2>> alone;
     if (comm.size() > 1) {
-        on_root(comm, [&] { warm_up(alone.emplace(self, scene, disk_kernels())); });
+        on_root_alone(comm, [&] { warm_up(alone.emplace(self, scene, disk_kernels())); });
     }
     Simulation<2> together(comm, scene, disk_kernels());
     const double once = comm.max(warm_up(together));
@@ -98,7 +83,7 @@ SmoothFigures measure_smooth(const Communicator& comm, const SettledBlock& block
     for (int k = 0; k < rounds; ++k) {
         double mine = 0;
         if (comm.size() > 1) {
-            on_root(comm, [&] { mine = spent_on_steps(*alone, figures.steps, touched).seconds; });
+            on_root_alone(comm, [&] { mine = spent_on_steps(*alone, figures.steps, touched).seconds; });
             comm.barrier();
         }
         const Spent spent = spent_on_steps(together, figures.steps, touched);

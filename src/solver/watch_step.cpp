@@ -175,14 +175,14 @@ bool Simulation<D>::may_divide(typename WatchSettings<D>::Then then) const {
 }
 
 /// **Collective.** What becomes of (sub)steps that can be taken, as the scene says. False: the whole step is to be done
-/// again with more substeps. Throws NumericalFailure. @param look whether all ranks have
+/// again with more substeps. Throws NumericalFailure. @param energies whether all ranks have
 /// gauged what their grains gained
 template <int D>
-bool Simulation<D>::heed(double h, int n, const StepStart<D>* start, EnergyLook look) {
+bool Simulation<D>::heed(double h, int n, const StepStart<D>* start, EnergyLook energies) {
     using Then = typename WatchSettings<D>::Then;
     const auto lap = watch_.lap(Timed::check);
     const auto& wanted = scene_.watch;
-    const double growth = look == EnergyLook::none ? 0.0 : energy_growth(h, n, start, look);
+    const double growth = energies == EnergyLook::none ? 0.0 : energy_growth(h, n, start, energies);
     std::int64_t in_row = watcher_.memory().unconverged_in_row;
     if (done_ + n == parts_ && settings().tolerance) {
         in_row = counters_.unconverged > unconverged_before_ ? in_row + 1 : 0;
