@@ -173,7 +173,7 @@ bool DiskContacts::pack_tile(std::size_t tile, const Step& step, PackFaults& fau
     return true;
 }
 
-/// Whether a pair does without a lane for now. @param near gaps of smooth contacts from which on it does [m]
+/// Whether a pair needs no lane until pairs are looked at again. @param near gaps of smooth contacts from which on it does [m]
 bool DiskContacts::may_rest(double gap, double size, double v_free, double v_old, double look, double near) const {
     return smooth_ ? gap > near : sleeps(gap, size, v_free, v_old, look);
 }

@@ -1,7 +1,7 @@
 // Cundall's smooth contacts against formulas of oscillators (shared by all: central differences keep the frequency w' with
 // sin(w' h / 2) = w h / 2, and the product below, to the bit of round-off).
 #include "core/smooth_step.hpp"
-#include "support/serial_run.hpp"
+#include "support/smooth_run.hpp"
 #include "support/watched_run.hpp"
 
 #include <gtest/gtest.h>
@@ -11,27 +11,8 @@
 #include <numbers>
 #include <string>
 
-namespace nappe::test::smooth_test {
+namespace nappe::test::smooth {
 namespace {
-
-constexpr double g = standard_gravity, pi = std::numbers::pi;
-constexpr double ulp = std::numeric_limits<double>::epsilon();
-constexpr double r = 0.5, k = 4e6;
-const double m = disk_mass(r);
-
-/// Springs between all that is there; without dashpots unless told.
-Scene<2>& with_springs(SceneBuilder& b, double k_s = 0, double c_n = 0, double c_s = 0) {
-    for (auto& law : b.scene().laws) {
-        law.springs = Springs{{k, c_n}, {k_s, c_s}};
-    }
-    return b.scene();
-}
-
-/// On all ranks that the test runs on. Tests of thousands of steps take SerialRun: each rank runs them whole.
-class WorldRun : public SerialRun {
-public:
-    explicit WorldRun(const Scene<2>& scene) : SerialRun(scene, nullptr, MPI_COMM_WORLD) {}
-};
 
 /// What central differences keep of an oscillation: w² x² + v_- v_+, x a position and v_-, v_+ the velocities half a step
 /// before and after it.
@@ -301,108 +282,6 @@ TEST(Smooth, TheTangentialSpringCarriesADiskThatSticks) {
     EXPECT_NEAR(t_most * w_t, pi / 2, 0.02);
 }
 
-/// A disk that sticks to a floor which is driven along; far away another grain does what steps are done again for.
-class DoneAgain : public testing::Test {
-protected:
-    DoneAgain() : b_(1e3) {
-        Motion<2> along;
-        along.stage = 0;
-        along.velocity = {speed, 0};
-        b_.moving_wall("floor", {{-100, 0}, {100, 0}}, along);
-        b_.grain(r, {0, r - m * g / k}).material("other");
-    }
-
-    /// The spring of what sticks is stretched by the way of the floor under the rim, however often steps were done.
-    /// Springs go by velocities of half a step ago: by positions where the last (sub)step began.
-    void expect_stretched_once(WorldRun& run, double last) {
-        const double h = run.simulation().settings().h / run.simulation().settings().substeps;
-        const auto disk = run.grain(0);
-        const double slip = disk.x[0] + r * disk.rotation[0] - run.simulation().walls().offset[0][0] -
-                            last * (disk.v[0] + run.rim_speed(0) - speed);
-        double s = 0;
-        for (const auto& contact : run.loaded_contacts()) {
-            s = contact.lo == 0 ? contact.r_t[0] / h : s;
-        }
-        // The tangent of a floor below points along -x.
-        EXPECT_NEAR(s, k_s * slip, 1e-9 * k_s * speed / w_t);
-        EXPECT_GT(std::abs(slip), 0.01 * speed / w_t);
-    }
-
-    static constexpr double speed = 0.01, k_s = 1e5;
-    const double w_t = std::sqrt(3 * k_s / m), h = 0.05 / w_t;
-    SceneBuilder b_;
-};
-
-TEST_F(DoneAgain, SpringsAreStretchedOnceWhereListsFallShort) {
-    // A fast grain strikes one at rest, which goes farther in a step than its margin.
-    for (int i = 0; i < 6; ++i) {
-        b_.grain(r, {20 + 2.01 * r * i, 20}, {i == 0 ? 5.0 : 0.0, 0});
-    }
-    b_.stage(smooth_settings(h));
-    auto scene = with_springs(b_, k_s);
-    scene.tiles.skin = 1e-5;
-    scene.tiles.lookahead = 0.1;
-    WorldRun run(scene);
-    int seen = 0;
-    for (int n = 0; n < 60; ++n) {
-        const auto before = run.simulation().counters().redone_lists;
-        run.steps(1);
-        seen += run.simulation().counters().redone_lists > before ? 1 : 0;
-        if (n > 20) {
-            expect_stretched_once(run, h);
-        }
-    }
-    EXPECT_GT(seen, 3) << "no step was done again: the case is none";
-}
-
-/// So fast that tiles allow it only in steps divided `times`.
-Scene<2> with_a_fast_grain(Scene<2> scene, double h, double times) {
-    scene.tiles.side = 4;
-    scene.grains[1].velocity = {0.6 * times * (4 / 4.0 - r) / h, 0};
-    scene.watch.failure = WatchSettings<2>::Then::substep;
-    return scene;
-}
-
-TEST_F(DoneAgain, SpringsAreStretchedOnceWhereStepsAreDivided) {
-    b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
-    for (const int times : {2, 4, 8}) {
-        WorldRun run(with_a_fast_grain(with_springs(b_, k_s), h, times));
-        for (int n = 0; n < 60; ++n) {
-            run.steps(1);
-            if (n > 20) {
-                expect_stretched_once(run, h / times);
-            }
-        }
-        EXPECT_GT(run.simulation().watcher().memory().divided_steps, 30) << "no step was divided: the case is none";
-        EXPECT_EQ(run.simulation().watcher().memory().most_substeps, times);
-    }
-}
-
-TEST_F(DoneAgain, SpringsAreThoseOfTheStartWhereNoDivisionHelps) {
-    b_.grain(r, {-1000, 50}, {0, 0}).stage(smooth_settings(h));
-    auto scene = with_a_fast_grain(with_springs(b_, k_s), h, 1);
-    scene.watch.max_substeps = 8;
-    WorldRun run(scene);
-    run.steps(20);
-    auto rows = run.simulation().grain_rows();
-    for (auto& row : rows) { // a push that eight substeps do not tell apart
-        row.v[0] = row.id == 1 ? 100 * row.v[0] : row.v[0];
-    }
-    auto& simulation = run.simulation();
-    simulation.load(rows, simulation.contact_rows(), h);
-    simulation.start_stage(0);
-    const auto springs = simulation.comm().all_gather(simulation.contact_rows());
-    EXPECT_THROW(simulation.step(), NumericalFailure);
-    ASSERT_TRUE(simulation.undo_step());
-    const auto after = simulation.comm().all_gather(simulation.contact_rows());
-    ASSERT_EQ(after.size(), springs.size());
-    ASSERT_GT(springs.size(), 0u);
-    for (std::size_t k = 0; k < springs.size(); ++k) {
-        EXPECT_EQ(after[k].r_t[0], springs[k].r_t[0]);
-        EXPECT_NE(springs[k].r_t[0], 0);
-    }
-}
-
 /// Grains that fall on each other between walls, tiles as small as they may be.
 Scene<2> heap() {
     SceneBuilder b(0.3);
@@ -435,4 +314,4 @@ TEST(Smooth, TheSameOnAnyNumberOfRanksAndInstructionSets) {
 }
 
 } // namespace
-} // namespace nappe::test::smooth_test
+} // namespace nappe::test::smooth
